@@ -40,11 +40,17 @@
 extern crate alloc;
 
 mod file;
+pub mod lens;
+mod overlap;
 mod packing;
+pub mod reference;
 mod solid;
 mod sphere;
+mod tree;
 
 pub use file::{FileError, Provenance};
+pub use overlap::{ContactSample, ForceLaw, Overlap, OverlapWorkspace};
 pub use packing::{PackingError, SpherePacking};
 pub use solid::SolidProperties;
 pub use sphere::InnerSphere;
+pub use tree::InnerSphereTree;

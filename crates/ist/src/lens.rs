@@ -1,0 +1,115 @@
+//! Closed forms for the lens, the intersection of two balls.
+//!
+//! For balls of radii a, b whose centres are d apart (|a−b| < d < a+b) the intersection is two spherical caps
+//! that share a circle. With the penetration h = a+b−d the cap heights are
+//! `h_a = h(b−a+d)/(2d)` and `h_b = h(a−b+d)/(2d)`; a cap of height h on a ball of radius r has volume
+//! `πh²(3r−h)/3` and first moment `πh²(2r−h)²/4` about the ball's centre (both by integrating discs). Heights
+//! clamped to `[0, 2r]` make the same formulas give a contained ball and disjoint balls. Nothing cancels where
+//! the lens is thin: h appears as a factor.
+
+use core::f64::consts::PI;
+
+/// The intersection of two balls, on the line from the first centre to the second.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lens {
+    /// Volume (m³).
+    pub volume: f64,
+    /// Area of the disc that the intersection circle bounds (m²); `−dV/dd`. Zero where one ball contains the other.
+    pub area: f64,
+    /// Signed distance of the centroid from the first centre (m).
+    pub centroid: f64,
+    /// Signed distance of the intersection circle's plane from the first centre (m).
+    pub circle: f64,
+}
+
+impl Lens {
+    /// The lens of balls of radii `a` and `b` (m) at distance `d` (m) of their centres.
+    ///
+    /// All-zero where the balls do not meet. Where one contains the other, the smaller ball.
+    #[must_use]
+    pub fn new(a: f64, b: f64, d: f64) -> Self {
+        let h = a + b - d;
+        if h <= 0.0 {
+            return Self { volume: 0.0, area: 0.0, centroid: 0.0, circle: 0.0 };
+        }
+        // Concentric balls: any positive distance gives the same clamped heights.
+        let d = d.max(f64::MIN_POSITIVE.sqrt());
+        let h_a = (h * (b - a + d) / (2.0 * d)).clamp(0.0, 2.0 * a);
+        let h_b = (h * (a - b + d) / (2.0 * d)).clamp(0.0, 2.0 * b);
+        let cap_b = PI / 3.0 * h_b * h_b * (3.0 * b - h_b);
+        let volume = PI / 3.0 * h_a * h_a * (3.0 * a - h_a) + cap_b;
+        let moment_a = PI / 4.0 * (h_a * (2.0 * a - h_a)).powi(2);
+        let moment_b = PI / 4.0 * (h_b * (2.0 * b - h_b)).powi(2);
+        Self {
+            volume,
+            area: PI * h_a * (2.0 * a - h_a),
+            centroid: (moment_a + d * cap_b - moment_b) / volume,
+            circle: a - h_a,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Volume and first moment by summing discs.
+    fn by_quadrature(a: f64, b: f64, d: f64) -> (f64, f64) {
+        let (mut volume, mut moment) = (0.0, 0.0);
+        let steps = 200_000;
+        for i in 0..steps {
+            let x = -a + 2.0 * a * (f64::from(i) + 0.5) / f64::from(steps);
+            let disc = (a * a - x * x).min(b * b - (x - d) * (x - d)).max(0.0);
+            volume += PI * disc;
+            moment += PI * disc * x;
+        }
+        let dx = 2.0 * a / f64::from(steps);
+        (volume * dx, moment * dx)
+    }
+
+    #[test]
+    fn matches_quadrature() {
+        for (a, b, d) in [
+            (1.0, 1.0, 1.5),
+            (1.0, 0.3, 1.1),
+            (0.4, 1.0, 0.7),
+            (1.0, 0.2, 0.5),
+            (0.2, 1.0, 0.5),
+            (1.0, 1.0, 0.01),
+        ] {
+            let (lens, (volume, moment)) = (Lens::new(a, b, d), by_quadrature(a, b, d));
+            assert!((lens.volume - volume).abs() < 1e-6, "{a} {b} {d}");
+            assert!((lens.volume * lens.centroid - moment).abs() < 1e-6, "{a} {b} {d}");
+        }
+    }
+
+    #[test]
+    fn matches_the_textbook_volume() {
+        let (a, b, d) = (0.8_f64, 0.5_f64, 1.0_f64);
+        let textbook =
+            PI * (a + b - d).powi(2) * (d * d + 2.0 * d * (a + b) - 3.0 * (a - b).powi(2)) / (12.0 * d);
+        assert!((Lens::new(a, b, d).volume - textbook).abs() < 1e-15);
+        let circle = (d * d + a * a - b * b) / (2.0 * d);
+        assert!((Lens::new(a, b, d).circle - circle).abs() < 1e-15);
+    }
+
+    proptest! {
+        #[test]
+        fn area_is_minus_the_derivative_of_volume(a in 0.1_f64..2.0, b in 0.1_f64..2.0, t in 0.01_f64..0.99) {
+            let d = (a - b).abs() + t * (a + b - (a - b).abs());
+            let e = 1e-5;
+            let slope = (Lens::new(a, b, d + e).volume - Lens::new(a, b, d - e).volume) / (2.0 * e);
+            prop_assert!((Lens::new(a, b, d).area + slope).abs() < 1e-6);
+        }
+
+        #[test]
+        fn is_symmetric_in_the_two_balls(a in 0.1_f64..2.0, b in 0.1_f64..2.0, d in 0.0_f64..4.0) {
+            let (ab, ba) = (Lens::new(a, b, d), Lens::new(b, a, d));
+            prop_assert!((ab.volume - ba.volume).abs() <= 1e-12 * ab.volume.max(1.0));
+            if ab.volume > 1e-9 {
+                prop_assert!((ab.centroid - (d - ba.centroid)).abs() < 1e-6);
+            }
+        }
+    }
+}

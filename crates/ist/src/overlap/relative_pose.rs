@@ -1,0 +1,55 @@
+//! Where the second tree stands in the frame of the first.
+
+use super::workspace::Block;
+use crate::tree::{Balls, InnerSphereTree, WIDTH};
+use fearless_simd::{Simd, f32x8, prelude::*};
+use glam::{Mat3, Vec3};
+use glamx::Pose3;
+
+/// Similarity that takes B's unscaled frame to A's unscaled frame.
+///
+/// Trees keep the numbers of their packing whatever their scale; so do queries, and only the result is scaled.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RelativePose {
+    /// Rotation of B in A's frame.
+    pub(super) rotation: Mat3,
+    /// Rotation times relative scale.
+    linear: Mat3,
+    translation: Vec3,
+    /// Scale of B relative to A.
+    pub(super) scale: f32,
+}
+
+impl RelativePose {
+    /// From the pose of `b`'s frame in `a`'s frame; `None` where it is not finite or has no rotation.
+    pub(super) fn new(a: &InnerSphereTree, b: &InnerSphereTree, pose: &Pose3) -> Option<Self> {
+        let length = pose.rotation.length();
+        if !(pose.is_finite() && length > 0.5 && length < 2.0) {
+            return None;
+        }
+        let rotation = Mat3::from_quat(pose.rotation.normalize());
+        let scale = b.scale() / a.scale();
+        let translation = pose.translation / a.scale();
+        Some(Self { rotation, linear: rotation * scale, translation, scale })
+    }
+
+    /// The block of `level` that begins at ball `first`, in A's frame.
+    #[inline(always)]
+    pub(super) fn transform_block<S: Simd>(&self, simd: S, level: &Balls, first: usize) -> Block {
+        let load = |array: &[f32]| f32x8::from_slice(simd, &array[first..first + WIDTH]);
+        let (x, y, z) = (load(&level.x), load(&level.y), load(&level.z));
+        let row = |i: usize| {
+            let row = self.linear.row(i);
+            x * row.x + y * row.y + z * row.z + self.translation[i]
+        };
+        let end = level.len().min(first + WIDTH);
+        Block {
+            x: row(0).to_array(),
+            y: row(1).to_array(),
+            z: row(2).to_array(),
+            radius: (load(&level.radius) * self.scale).to_array(),
+            next: first,
+            end,
+        }
+    }
+}
