@@ -12,6 +12,8 @@ pub struct ReferenceOverlap {
     pub volume: f64,
     /// Centroid of the penetration volume (m); zero where nothing overlaps.
     pub centroid: DVec3,
+    /// Sum of the areas that the intersection circles bound (m²).
+    pub area: f64,
     /// Derivative of the volume by a translation of B (m²).
     pub gradient: DVec3,
     /// Derivative of the volume by a rotation of B about [`Self::centroid`] (m³/rad).
@@ -49,6 +51,7 @@ pub fn overlap_at(
             out.pairs += 1;
             out.volume += lens.volume;
             moment += lens.volume * (center_a + lens.centroid * normal);
+            out.area += lens.area;
             out.gradient -= lens.area * normal;
             torque -= lens.area * center_a.cross(normal);
         }
