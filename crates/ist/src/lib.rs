@@ -49,7 +49,7 @@ mod sphere;
 mod tree;
 
 pub use file::{FileError, Provenance};
-pub use overlap::{ContactSample, ForceLaw, Overlap, OverlapWorkspace};
+pub use overlap::{ContactSample, ForceLaw, Overlap, OverlapWorkspace, SurfaceDistance};
 pub use packing::{PackingError, SpherePacking};
 pub use solid::SolidProperties;
 pub use sphere::InnerSphere;

@@ -18,6 +18,9 @@ pub enum ForceLaw {
     Blended,
 }
 
+/// Significance from which on the gradient alone decides.
+const SIGNIFICANT: f64 = 0.3;
+
 impl ForceLaw {
     pub(super) fn wrench(self, totals: &Totals) -> WrenchSum {
         match self {
@@ -40,7 +43,7 @@ fn blended(totals: &Totals) -> WrenchSum {
     let outward = outward(totals);
     let length = totals.gradient.force.length();
     let significance = length / totals.area.max(f64::MIN_POSITIVE);
-    let weight = smooth_step(significance / 0.3);
+    let weight = gradient_weight(significance);
     let along_gradient = unit(&totals.gradient, totals.volume * weight);
     let along_normals = unit(&outward, totals.volume * (1.0 - weight));
     WrenchSum {
@@ -55,7 +58,9 @@ fn unit(wrench: &WrenchSum, length: f64) -> WrenchSum {
     WrenchSum { force: wrench.force * factor, torque: wrench.torque * factor }
 }
 
-fn smooth_step(x: f64) -> f64 {
-    let x = x.clamp(0.0, 1.0);
+/// How far the direction is the gradient's, 0 to 1, where `significance` is the length of a sum of area vectors over
+/// the sum of their lengths: 1 for a thin contact, 0 for a body wholly inside.
+pub(super) fn gradient_weight(significance: f64) -> f64 {
+    let x = (significance / SIGNIFICANT).clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
 }

@@ -1,5 +1,6 @@
 //! Overlap of two solids.
 
+mod caps;
 mod force_law;
 mod lens_lanes;
 mod pairs;
@@ -10,13 +11,14 @@ mod traversal;
 mod workspace;
 
 use crate::InnerSphereTree;
+use alloc::vec::Vec;
+pub use caps::SurfaceDistance;
 use fearless_simd::{Level, dispatch};
 pub use force_law::ForceLaw;
 use glam::Vec3;
 use glamx::Pose3;
 use relative_pose::RelativePose;
 pub use samples::ContactSample;
-use samples::SampleSink;
 use totals::{Totals, TotalsSink};
 use traversal::for_each_pair;
 pub use workspace::OverlapWorkspace;
@@ -72,18 +74,21 @@ impl InnerSphereTree {
     }
 
     /// The overlap of this solid (A) with `other` (B) as one sample per overlapping pair of spheres, in A's
-    /// frame, appended to `samples`.
+    /// frame, appended to `samples`. Their volumes add up to [`Overlap::volume`].
     pub fn contact_samples(
         &self,
         other: &Self,
         pose: &Pose3,
         workspace: &mut OverlapWorkspace,
-        samples: &mut alloc::vec::Vec<ContactSample>,
+        samples: &mut Vec<ContactSample>,
     ) {
         let Some(pose) = RelativePose::new(self, other, pose) else { return };
         let trees = (self.data(), other.data());
-        let mut sink = SampleSink::new(trees, &pose, self.scale(), samples);
-        dispatch!(Level::new(), simd => for_each_pair(simd, trees, &pose, workspace, &mut sink));
+        let mut lenses = core::mem::take(&mut workspace.lenses);
+        lenses.clear(trees.0, trees.1);
+        dispatch!(Level::new(), simd => for_each_pair(simd, trees, &pose, workspace, &mut lenses));
+        lenses.append_samples(trees, &pose, self.scale(), samples);
+        workspace.lenses = lenses;
     }
 }
 

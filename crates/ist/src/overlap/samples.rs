@@ -1,5 +1,11 @@
 //! The overlap as a cloud of contact samples, for a solver.
+//!
+//! A solver needs a normal at every place of a contact, not one for the whole: a body in a V-groove is pushed by
+//! two walls. The line between two sphere centres is too noisy for that, so the volume gradients of all lenses that
+//! share a sphere with a lens are added up first; where they cancel, deep inside, the stored outward normals take
+//! over, with the same continuous transition as in [`super::ForceLaw::Blended`].
 
+use super::force_law::gradient_weight;
 use super::lens_lanes::LensLanes;
 use super::pairs::PairBuffer;
 use super::relative_pose::RelativePose;
@@ -9,47 +15,90 @@ use alloc::vec::Vec;
 use fearless_simd::Simd;
 use glam::Vec3;
 
-/// One overlapping pair of spheres, in A's frame.
+/// A small part of the overlap of two solids, in A's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactSample {
-    /// Centroid of the lens (m).
+    /// Centroid of the part (m).
     pub point: Vec3,
-    /// Unit vector from the centre of A's sphere to that of B's; zero for concentric spheres.
-    pub center_line: Vec3,
-    /// Stored outward normal of A's sphere minus that of B's sphere: where the fields of depth push B.
-    /// Length 0 to 2.
-    pub outward: Vec3,
-    /// Volume of the lens (m³).
+    /// Unit vector along which B is pushed out of A.
+    pub normal: Vec3,
+    /// Volume of the part (m³).
     pub volume: f32,
-    /// Area of the lens across the centre line (m²): minus the derivative of the volume by the distance.
+    /// Cross-section of the part (m²): how fast its volume falls when the solids separate.
     pub area: f32,
 }
 
-/// Appends every pair to a list of [`ContactSample`]s.
-pub(super) struct SampleSink<'a> {
-    a: &'a TreeData,
-    b: &'a TreeData,
-    pose: &'a RelativePose,
-    /// Scale of A.
-    scale: f32,
-    samples: &'a mut Vec<ContactSample>,
+/// Overlapping pairs of spheres and what each sphere of either side sees of the overlap.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Lenses {
+    lenses: Vec<Lens>,
+    of_a: Vec<Sum>,
+    of_b: Vec<Sum>,
 }
 
-impl<'a> SampleSink<'a> {
-    pub(super) fn new(
-        (a, b): (&'a TreeData, &'a TreeData),
-        pose: &'a RelativePose,
+/// One pair, in A's unscaled frame.
+#[derive(Clone, Copy, Debug)]
+struct Lens {
+    centroid: Vec3,
+    axis: Vec3,
+    volume: f32,
+    area: f32,
+    spheres: [u32; 2],
+}
+
+/// Sum over the lenses of one sphere.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sum {
+    /// Σ A n.
+    gradient: Vec3,
+    area: f32,
+}
+
+impl Lenses {
+    pub(super) fn clear(&mut self, a: &TreeData, b: &TreeData) {
+        self.lenses.clear();
+        for (sums, tree) in [(&mut self.of_a, a), (&mut self.of_b, b)] {
+            sums.clear();
+            sums.resize(tree.inner_radius.len(), Sum::default());
+        }
+    }
+
+    /// Appends one sample per lens, with A at `scale`.
+    pub(super) fn append_samples(
+        &mut self,
+        (a, b): (&TreeData, &TreeData),
+        pose: &RelativePose,
         scale: f32,
-        samples: &'a mut Vec<ContactSample>,
-    ) -> Self {
-        Self { a, b, pose, scale, samples }
+        samples: &mut Vec<ContactSample>,
+    ) {
+        for lens in &self.lenses {
+            for (sums, sphere) in [(&mut self.of_a, lens.spheres[0]), (&mut self.of_b, lens.spheres[1])] {
+                let sum = &mut sums[sphere as usize];
+                sum.gradient += lens.area * lens.axis;
+                sum.area += lens.area;
+            }
+        }
+        samples.extend(self.lenses.iter().map(|lens| {
+            let [in_a, in_b] = lens.spheres.map(|sphere| sphere as usize);
+            let (sum_a, sum_b) = (self.of_a[in_a], self.of_b[in_b]);
+            let gradient = sum_a.gradient + sum_b.gradient;
+            let area = (sum_a.area + sum_b.area).max(f32::MIN_POSITIVE);
+            let weight = gradient_weight(f64::from(gradient.length() / area)) as f32;
+            let outward = a.normals[in_a] - pose.rotation * b.normals[in_b];
+            let blend = weight * gradient.normalize_or_zero() + (1.0 - weight) * outward.normalize_or_zero();
+            ContactSample {
+                point: lens.centroid * scale,
+                normal: blend.try_normalize().or(lens.axis.try_normalize()).unwrap_or(Vec3::Y),
+                volume: lens.volume * scale * scale * scale,
+                area: lens.area * scale * scale,
+            }
+        }));
     }
 }
 
-impl PairSink for SampleSink<'_> {
+impl PairSink for Lenses {
     #[inline(always)]
     fn take<S: Simd>(&mut self, simd: S, pairs: &PairBuffer) {
-        let scale2 = self.scale * self.scale;
         for first in (0..pairs.len()).step_by(WIDTH) {
             let lens = LensLanes::new(simd, pairs, first);
             for lane in 0..WIDTH.min(pairs.len() - first) {
@@ -58,13 +107,12 @@ impl PairSink for SampleSink<'_> {
                     continue;
                 }
                 let moment = Vec3::new(lens.moment.x[lane], lens.moment.y[lane], lens.moment.z[lane]);
-                let [a, b] = [pairs.a.index[first + lane], pairs.b.index[first + lane]].map(|i| i as usize);
-                self.samples.push(ContactSample {
-                    point: moment * (self.scale / volume),
-                    center_line: Vec3::new(lens.axis.x[lane], lens.axis.y[lane], lens.axis.z[lane]),
-                    outward: self.a.normals[a] - self.pose.rotation * self.b.normals[b],
-                    volume: volume * scale2 * self.scale,
-                    area: lens.area[lane] * scale2,
+                self.lenses.push(Lens {
+                    centroid: moment / volume,
+                    axis: Vec3::new(lens.axis.x[lane], lens.axis.y[lane], lens.axis.z[lane]),
+                    volume,
+                    area: lens.area[lane],
+                    spheres: [pairs.a.index[first + lane], pairs.b.index[first + lane]],
                 });
             }
         }

@@ -79,9 +79,9 @@ proptest! {
         let overlap = a.overlap(&b, &pose, &mut workspace);
         let volume: f32 = samples.iter().map(|s| s.volume).sum();
         prop_assert!((volume - overlap.volume).abs() <= 1e-4 * overlap.volume);
-        let gradient: Vec3 = samples.iter().map(|s| s.area * s.center_line).sum();
-        let area: f32 = samples.iter().map(|s| s.area).sum();
-        prop_assert!((gradient + overlap.gradient).length() <= 1e-4 * area);
+        prop_assert!(samples.iter().all(|s| (s.normal.length() - 1.0).abs() < 1e-5 && s.area >= 0.0));
+        let moment: Vec3 = samples.iter().map(|s| s.volume * s.point).sum();
+        prop_assert!((moment - overlap.volume * overlap.centroid).length() <= 1e-4 * overlap.volume);
     }
 
     #[test]

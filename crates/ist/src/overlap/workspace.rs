@@ -1,6 +1,7 @@
 //! Memory that queries use again and again.
 
 use super::pairs::PairBuffer;
+use super::samples::Lenses;
 use crate::tree::{TreeData, WIDTH};
 use alloc::vec::Vec;
 
@@ -17,6 +18,7 @@ pub struct OverlapWorkspace {
     /// Per level of B's tree: the current block of B in A's frame.
     pub(super) blocks: Vec<Block>,
     pub(super) pairs: PairBuffer,
+    pub(super) lenses: Lenses,
 }
 
 /// Balls of A in struct-of-arrays order with their index in their level.

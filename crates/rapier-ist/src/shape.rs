@@ -1,0 +1,181 @@
+//! The collider shape: an inner sphere tree as parry sees it.
+
+use ist::{FileError, InnerSphereTree, SpherePacking};
+use rapier3d::geometry::{ColliderBuilder, SharedShape};
+use rapier3d::glamx::Mat3;
+use rapier3d::math::{Real, Vector};
+use rapier3d::parry::bounding_volume::{Aabb, BoundingSphere};
+use rapier3d::parry::mass_properties::MassProperties;
+use rapier3d::parry::query::{PointProjection, PointQuery, Ray, RayCast, RayIntersection};
+use rapier3d::parry::shape::{FeatureId, Shape, ShapeType, TypedShape};
+use std::path::Path;
+
+/// A solid of any form, as a Rapier collider shape.
+///
+/// Rapier itself knows nothing of it: install [`crate::IstPlugin`] on the world, or bodies fall through.
+/// Cloning is O(1). Its mass properties are those of the solid, not of the spheres.
+#[derive(Clone, Debug)]
+pub struct IstShape {
+    tree: InnerSphereTree,
+    bounds: Aabb,
+}
+
+impl IstShape {
+    /// The solid of `packing`.
+    #[must_use]
+    pub fn from_packing(packing: &SpherePacking) -> Self {
+        Self::new(InnerSphereTree::new(packing))
+    }
+
+    /// The solid of an `.ist` file, as the packer writes it.
+    ///
+    /// # Errors
+    /// Where the file cannot be read or is damaged.
+    pub fn from_file(path: impl AsRef<Path>) -> Result<Self, FileError> {
+        Ok(Self::from_packing(&SpherePacking::load(path)?))
+    }
+
+    /// The solid of `tree`.
+    #[must_use]
+    pub fn new(tree: InnerSphereTree) -> Self {
+        let empty = Aabb::new_invalid();
+        let bounds = tree.volume_balls().fold(empty, |bounds, (center, radius)| Aabb {
+            mins: bounds.mins.min(center - Vector::splat(radius)),
+            maxs: bounds.maxs.max(center + Vector::splat(radius)),
+        });
+        Self { tree, bounds }
+    }
+
+    /// The tree that queries run against.
+    #[must_use]
+    pub fn tree(&self) -> &InnerSphereTree {
+        &self.tree
+    }
+
+    /// The same solid `factor` times as large; `None` unless `factor` is positive and finite.
+    #[must_use]
+    pub fn scaled(&self, factor: Real) -> Option<Self> {
+        Some(Self::new(self.tree.scaled(factor)?))
+    }
+
+    /// The shape as Rapier's colliders hold it.
+    #[must_use]
+    pub fn into_shared(self) -> SharedShape {
+        SharedShape::new(self)
+    }
+
+    /// A collider builder with this shape.
+    #[must_use]
+    pub fn into_collider(self) -> ColliderBuilder {
+        ColliderBuilder::new(self.into_shared())
+    }
+
+    /// The inner sphere nearest to `point` with the signed distance (m) to its surface.
+    fn nearest_sphere(&self, point: Vector) -> (usize, Vector, Real, Real) {
+        let mut nearest = (0, Vector::ZERO, 0.0, Real::INFINITY);
+        for (index, (center, radius, _)) in self.tree.inner_balls().enumerate() {
+            let distance = point.distance(center) - radius;
+            if distance < nearest.3 {
+                nearest = (index, center, radius, distance);
+            }
+        }
+        nearest
+    }
+
+    fn feature(&self, sphere: usize) -> FeatureId {
+        FeatureId::Face(self.tree.packing_index(sphere) as u32)
+    }
+}
+
+/// Point queries see the union of the inner spheres, in time linear in their number.
+impl PointQuery for IstShape {
+    fn project_local_point(&self, point: Vector, solid: bool) -> PointProjection {
+        let (_, center, radius, distance) = self.nearest_sphere(point);
+        let is_inside = distance <= 0.0;
+        if is_inside && solid {
+            return PointProjection::new(true, point);
+        }
+        let outward = (point - center).try_normalize().unwrap_or(Vector::Y);
+        PointProjection::new(is_inside, center + outward * radius)
+    }
+
+    fn project_local_point_and_get_feature(&self, point: Vector) -> (PointProjection, FeatureId) {
+        let (sphere, ..) = self.nearest_sphere(point);
+        (self.project_local_point(point, false), self.feature(sphere))
+    }
+}
+
+/// Rays see the union of the inner spheres, in time linear in their number.
+impl RayCast for IstShape {
+    fn cast_local_ray_and_get_normal(
+        &self,
+        ray: &Ray,
+        max_time_of_impact: Real,
+        solid: bool,
+    ) -> Option<RayIntersection> {
+        let mut first: Option<RayIntersection> = None;
+        for (index, (center, radius, _)) in self.tree.inner_balls().enumerate() {
+            let limit = first.map_or(max_time_of_impact, |hit| hit.time_of_impact);
+            let from_center = Ray::new(ray.origin - center, ray.dir);
+            let ball = rapier3d::parry::shape::Ball::new(radius);
+            if let Some(mut hit) = ball.cast_local_ray_and_get_normal(&from_center, limit, solid) {
+                hit.feature = self.feature(index);
+                first = Some(hit);
+            }
+        }
+        first
+    }
+}
+
+impl Shape for IstShape {
+    fn compute_local_aabb(&self) -> Aabb {
+        self.bounds
+    }
+
+    fn compute_local_bounding_sphere(&self) -> BoundingSphere {
+        let (center, radius) = self.tree.bounding_ball();
+        BoundingSphere::new(center, radius)
+    }
+
+    fn clone_dyn(&self) -> Box<dyn Shape> {
+        Box::new(self.clone())
+    }
+
+    /// Uniform positive scales only.
+    fn scale_dyn(&self, scale: Vector, _: u32) -> Option<Box<dyn Shape>> {
+        let uniform = (scale - Vector::splat(scale.x)).abs().max_element() <= 1e-6 * scale.x.abs();
+        if !uniform {
+            return None;
+        }
+        Some(Box::new(self.scaled(scale.x)?))
+    }
+
+    /// Exact for the mesh that was packed, however few spheres fill it.
+    fn mass_properties(&self, density: Real) -> MassProperties {
+        let solid = self.tree.solid();
+        let density = f64::from(density);
+        let inertia = solid.unit_inertia * density;
+        let columns = [inertia.x_axis, inertia.y_axis, inertia.z_axis].map(|c| c.as_vec3());
+        MassProperties::with_inertia_matrix(
+            solid.centroid.as_vec3(),
+            (solid.volume * density) as Real,
+            Mat3::from_cols(columns[0], columns[1], columns[2]),
+        )
+    }
+
+    fn shape_type(&self) -> ShapeType {
+        ShapeType::Custom
+    }
+
+    fn as_typed_shape(&self) -> TypedShape<'_> {
+        TypedShape::Custom(self)
+    }
+
+    fn ccd_thickness(&self) -> Real {
+        self.bounds.half_extents().min_element()
+    }
+
+    fn ccd_angular_thickness(&self) -> Real {
+        core::f32::consts::FRAC_PI_4
+    }
+}
