@@ -28,7 +28,7 @@ pub(super) fn for_each_pair<S: Simd>(
     sink: &mut impl PairSink,
 ) {
     workspace.fit(a, b);
-    let OverlapWorkspace { near, children, blocks, pairs } = workspace;
+    let OverlapWorkspace { near, children, blocks, pairs, .. } = workspace;
     let top = b.height();
     blocks[top] = pose.transform_block(simd, b.root(), 0);
     let ball = Ball::of(simd, &blocks[top], 0);
