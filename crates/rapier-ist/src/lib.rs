@@ -1,5 +1,19 @@
 //! Dynamic non-convex bodies that simply collide: volume-penalty contacts for Rapier.
 
+mod against_shape;
+mod candidates;
+mod dispatcher;
+mod hooks;
+mod model;
+mod penalty;
+mod plugin;
+mod query;
 mod report;
+mod response;
+mod shape;
 
+pub use dispatcher::IstDispatcher;
+pub use model::{ContactModel, Stiffness, VolumePenalty};
+pub use plugin::IstPlugin;
 pub use report::{PairContact, StepReport};
+pub use shape::IstShape;

@@ -65,7 +65,6 @@ impl IstShape {
     }
 
     /// A collider builder with this shape.
-    #[must_use]
     pub fn into_collider(self) -> ColliderBuilder {
         ColliderBuilder::new(self.into_shared())
     }

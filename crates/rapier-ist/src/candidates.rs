@@ -1,0 +1,142 @@
+//! Which pairs of colliders may be in volume contact.
+//!
+//! Found anew from the poses before every step, not from Rapier's contact graph, which is as old as the last
+//! detection: a pair that begins to overlap now is pushed now.
+
+use crate::IstShape;
+use rapier3d::dynamics::{RigidBody, RigidBodyHandle};
+use rapier3d::geometry::{Collider, ColliderHandle, SolverFlags};
+use rapier3d::math::Pose;
+use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
+use rapier3d::parry::partitioning::{Bvh, BvhBuildStrategy};
+use rapier3d::pipeline::{ActiveHooks, PairFilterContext, PhysicsHooks, PhysicsWorld};
+use std::collections::HashSet;
+
+/// Two colliders near each other, of which at least one is an inner sphere tree; the smaller handle first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Candidate {
+    pub(crate) colliders: [ColliderHandle; 2],
+    pub(crate) poses: [Pose; 2],
+}
+
+/// All pairs whose boxes overlap and which Rapier would let collide, sorted by handles.
+pub(crate) fn candidates(
+    world: &PhysicsWorld,
+    hooks: &dyn PhysicsHooks,
+    switched_on: &HashSet<ColliderHandle>,
+) -> Vec<Candidate> {
+    let mut solids = Vec::new();
+    let mut others = Vec::new();
+    for (handle, collider) in world.colliders.iter_enabled().filter(|(_, c)| !c.is_sensor()) {
+        let pose = current_pose(world, collider);
+        let near = Near { handle, collider, pose, bounds: collider.shape().compute_aabb(&pose) };
+        if !pose.is_finite() {
+            continue;
+        }
+        let list = if collider.shape().as_shape::<IstShape>().is_some() { &mut solids } else { &mut others };
+        list.push(near);
+    }
+    let boxes: Vec<Aabb> = solids.iter().map(|solid| solid.bounds).collect();
+    let bvh = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
+    let filter = Filter { world, hooks, switched_on };
+    let mut pairs = Vec::new();
+    for (index, solid) in solids.iter().enumerate() {
+        // A box is read as f32 extents with a margin of its own in the tree: test again.
+        for other in bvh.intersect_aabb(&solid.bounds).map(|leaf| leaf as usize).filter(|&leaf| leaf > index)
+        {
+            filter.push(solid, &solids[other], &mut pairs);
+        }
+    }
+    for other in &others {
+        for solid in bvh.intersect_aabb(&other.bounds) {
+            filter.push(&solids[solid as usize], other, &mut pairs);
+        }
+    }
+    pairs.sort_unstable_by_key(|pair| pair.colliders.map(ColliderHandle::into_raw_parts));
+    pairs
+}
+
+/// Pose of a collider after all changes that the user made since the last step.
+fn current_pose(world: &PhysicsWorld, collider: &Collider) -> Pose {
+    let parent = collider.parent().and_then(|parent| world.bodies.get(parent));
+    match (parent, collider.position_wrt_parent()) {
+        (Some(body), Some(local)) => *body.position() * *local,
+        _ => *collider.position(),
+    }
+}
+
+struct Near<'a> {
+    handle: ColliderHandle,
+    collider: &'a Collider,
+    pose: Pose,
+    bounds: Aabb,
+}
+
+/// Everything that can forbid a contact in Rapier.
+struct Filter<'a> {
+    world: &'a PhysicsWorld,
+    hooks: &'a dyn PhysicsHooks,
+    switched_on: &'a HashSet<ColliderHandle>,
+}
+
+impl Filter<'_> {
+    fn push(&self, a: &Near, b: &Near, pairs: &mut Vec<Candidate>) {
+        let (a, b) = if a.handle.into_raw_parts() < b.handle.into_raw_parts() { (a, b) } else { (b, a) };
+        if a.bounds.intersects(&b.bounds) && self.may_collide(a, b) {
+            pairs.push(Candidate { colliders: [a.handle, b.handle], poses: [a.pose, b.pose] });
+        }
+    }
+
+    fn may_collide(&self, a: &Near, b: &Near) -> bool {
+        let (parent_a, parent_b) = (a.collider.parent(), b.collider.parent());
+        if parent_a.is_some() && parent_a == parent_b {
+            return false;
+        }
+        let (body_a, body_b) = (self.body(parent_a), self.body(parent_b));
+        let awake =
+            |body: Option<&RigidBody>| body.is_some_and(|b| b.is_dynamic_or_kinematic() && !b.is_sleeping());
+        let dynamic = |body: Option<&RigidBody>| body.is_some_and(RigidBody::is_dynamic);
+        a.collider.collision_groups().test(b.collider.collision_groups())
+            && a.collider.solver_groups().test(b.collider.solver_groups())
+            && (dynamic(body_a) || dynamic(body_b))
+            && (awake(body_a) || awake(body_b))
+            && !self.joined_without_contacts(parent_a, parent_b)
+            && self.user_allows(a, b)
+    }
+
+    fn body(&self, handle: Option<RigidBodyHandle>) -> Option<&RigidBody> {
+        self.world.bodies.get(handle?)
+    }
+
+    fn joined_without_contacts(&self, a: Option<RigidBodyHandle>, b: Option<RigidBodyHandle>) -> bool {
+        let (Some(a), Some(b)) = (a, b) else { return false };
+        let impulse =
+            self.world.impulse_joints.joints_between(a, b).any(|(_, joint)| !joint.data.contacts_enabled());
+        let multibody = self
+            .world
+            .multibody_joints
+            .joint_between(a, b)
+            .is_some_and(|(_, _, link)| !link.joint.data.contacts_enabled());
+        impulse || multibody
+    }
+
+    fn user_allows(&self, a: &Near, b: &Near) -> bool {
+        let filters = |near: &Near| {
+            near.collider.active_hooks().contains(ActiveHooks::FILTER_CONTACT_PAIRS)
+                && !self.switched_on.contains(&near.handle)
+        };
+        if !filters(a) && !filters(b) {
+            return true;
+        }
+        let context = PairFilterContext {
+            bodies: &self.world.bodies,
+            colliders: &self.world.colliders,
+            collider1: a.handle,
+            collider2: b.handle,
+            rigid_body1: a.collider.parent(),
+            rigid_body2: b.collider.parent(),
+        };
+        let flags = self.hooks.filter_contact_pair(&context);
+        flags.is_some_and(|flags| flags.contains(SolverFlags::COMPUTE_RIGID_IMPULSES))
+    }
+}

@@ -1,0 +1,47 @@
+//! How overlap turns into motion.
+
+use rapier3d::math::Real;
+
+/// How colliders with an [`crate::IstShape`] respond to overlap.
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub enum ContactModel {
+    /// A force in proportion to the overlap volume, found by one linearly implicit solve per step.
+    VolumePenalty(VolumePenalty),
+    /// One contact manifold per pair (depth V/A along the volume gradient) for Rapier's own constraint solver.
+    VolumeManifold,
+}
+
+impl Default for ContactModel {
+    fn default() -> Self {
+        Self::VolumePenalty(VolumePenalty::default())
+    }
+}
+
+/// Parameters of the linearly implicit volume penalty.
+#[derive(Clone, Copy, Debug)]
+pub struct VolumePenalty {
+    /// Force per overlap volume.
+    pub stiffness: Stiffness,
+    /// Hunt–Crossley dissipation (s/m): the damping force is `k V δ` per m/s of approach. The implicit step
+    /// already takes energy out of a contact; 0 by default.
+    pub dissipation: Real,
+    /// Slip speed (m/s, times Rapier's `length_unit`) under which Coulomb friction goes over into viscous creep.
+    pub creep_speed: Real,
+}
+
+impl Default for VolumePenalty {
+    fn default() -> Self {
+        Self { stiffness: Stiffness::Automatic, dissipation: 0.0, creep_speed: 1e-3 }
+    }
+}
+
+/// Force per overlap volume.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Stiffness {
+    /// From the lighter body's weight and the smaller body's size.
+    #[default]
+    Automatic,
+    /// The same for every pair (N/m³), zero or positive.
+    Uniform(Real),
+}

@@ -1,0 +1,148 @@
+//! The contact of one pair of bodies inside the penalty solve.
+
+use super::body::SolverBody;
+use super::twist::{Screw, Symmetric6};
+use ist::ContactSample;
+use rapier3d::glamx::{DMat3, DVec3};
+
+/// Material of a pair of colliders, after Rapier's combine rules.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Material {
+    /// Force per overlap volume (N/m³).
+    pub(crate) stiffness: f64,
+    /// Hunt–Crossley dissipation (s/m).
+    pub(crate) dissipation: f64,
+    pub(crate) friction: f64,
+    pub(crate) restitution: f64,
+    /// Slip speed under which friction is viscous (m/s).
+    pub(crate) creep_speed: f64,
+    /// Approach speed from which on a contact rebounds (m/s).
+    pub(crate) rebound_speed: f64,
+}
+
+/// Contact samples between bodies `a` and `b` and the wrench they exert, linearised in the final velocity.
+#[derive(Clone, Debug)]
+pub(crate) struct PairContacts {
+    /// Indices into the solver's bodies.
+    pub(crate) bodies: [usize; 2],
+    /// Point of reference of `offset` and `damping`: the centroid of the overlap, world frame.
+    pub(crate) origin: DVec3,
+    material: Material,
+    samples: Vec<Sample>,
+    /// Wrench on b at zero relative velocity.
+    offset: Screw,
+    /// What a relative twist takes away from it.
+    damping: Symmetric6,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Sample {
+    /// From the origin of the pair.
+    arm: DVec3,
+    normal: DVec3,
+    /// k V.
+    push: f64,
+    /// h k A + k V δ.
+    damping: f64,
+    /// Normal velocity wanted after a rebound.
+    rebound: f64,
+    /// Normal force at the end of the step as last computed; zero where the contact lets go.
+    force: f64,
+    slip: f64,
+}
+
+impl PairContacts {
+    /// From samples in the world frame; `dt` is the time step (s).
+    pub(crate) fn new(
+        bodies: [usize; 2],
+        states: [&SolverBody; 2],
+        material: Material,
+        samples: &[ContactSample],
+        dt: f64,
+    ) -> Self {
+        let volume: f64 = samples.iter().map(|s| f64::from(s.volume)).sum();
+        let moment: DVec3 = samples.iter().map(|s| s.point.as_dvec3() * f64::from(s.volume)).sum();
+        let origin = moment / volume.max(f64::MIN_POSITIVE);
+        let before = relative_twist(states, origin, |body| body.velocity);
+        let predicted = relative_twist(states, origin, |body| body.predicted);
+        let k = material.stiffness;
+        let samples = samples.iter().map(|s| {
+            let arm = s.point.as_dvec3() - origin;
+            let normal = s.normal.as_dvec3();
+            let push = k * f64::from(s.volume);
+            let approach = before.twist_at(arm).linear.dot(normal);
+            let rebounds = material.restitution > 0.0 && approach < -material.rebound_speed;
+            Sample {
+                arm,
+                normal,
+                push,
+                damping: dt * k * f64::from(s.area) + push * material.dissipation,
+                rebound: if rebounds { -material.restitution * approach } else { 0.0 },
+                force: push,
+                slip: slip(predicted.twist_at(arm).linear, normal),
+            }
+        });
+        let samples = samples.collect();
+        let mut pair =
+            Self { bodies, origin, material, samples, offset: Screw::ZERO, damping: Symmetric6::ZERO };
+        pair.assemble();
+        pair
+    }
+
+    /// Linearises the wrench about the forces and slips of the last pass.
+    ///
+    /// Per sample the force on b is `n (k V − c_n n·u) − c_t (u − n n·u)` with `c_n = h k A + k V δ` and the
+    /// regularised Coulomb coefficient `c_t = μ f / max(|u_t|, u_creep)` of the last pass.
+    fn assemble(&mut self) {
+        (self.offset, self.damping) = (Screw::ZERO, Symmetric6::ZERO);
+        for s in self.samples.iter().filter(|s| s.force > 0.0) {
+            let tangential = self.material.friction * s.force / s.slip.max(self.material.creep_speed);
+            let outer = DMat3::from_cols(s.normal * s.normal.x, s.normal * s.normal.y, s.normal * s.normal.z);
+            let damper = outer * (s.damping - tangential) + DMat3::from_diagonal(DVec3::splat(tangential));
+            self.damping.add_damper(damper, s.arm);
+            let force = s.normal * (s.push + s.damping * s.rebound);
+            self.offset += Screw { linear: force, angular: s.arm.cross(force) };
+        }
+    }
+
+    /// Takes over the relative twist of a solve: new forces, contacts that let go or take hold, new friction.
+    /// Returns the largest change of a normal force relative to the sum of all.
+    pub(crate) fn update(&mut self, twist: Screw) -> f64 {
+        let (mut change, mut total) = (0.0_f64, 0.0);
+        for s in &mut self.samples {
+            let velocity = twist.twist_at(s.arm).linear;
+            let force = (s.push - s.damping * (velocity.dot(s.normal) - s.rebound)).max(0.0);
+            change = change.max((force - s.force).abs());
+            total += force;
+            s.force = force;
+            s.slip = slip(velocity, s.normal);
+        }
+        self.assemble();
+        if total > 0.0 { change / total } else { change }
+    }
+
+    /// Wrench on b about [`Self::origin`] at the given relative twist.
+    pub(crate) fn wrench(&self, twist: Screw) -> Screw {
+        self.offset - self.damping * twist
+    }
+
+    /// Velocity of b relative to a at [`Self::origin`].
+    pub(crate) fn relative_twist(&self, bodies: &[SolverBody], of: impl Fn(usize) -> Screw) -> Screw {
+        let [a, b] = self.bodies;
+        of(b).twist_at(self.origin - bodies[b].center_of_mass)
+            - of(a).twist_at(self.origin - bodies[a].center_of_mass)
+    }
+
+    pub(crate) fn damping(&self) -> &Symmetric6 {
+        &self.damping
+    }
+}
+
+fn relative_twist(states: [&SolverBody; 2], at: DVec3, of: impl Fn(&SolverBody) -> Screw) -> Screw {
+    let [a, b] = states.map(|body| of(body).twist_at(at - body.center_of_mass));
+    b - a
+}
+
+fn slip(velocity: DVec3, normal: DVec3) -> f64 {
+    (velocity - normal * velocity.dot(normal)).length()
+}

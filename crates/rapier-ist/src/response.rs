@@ -1,0 +1,240 @@
+//! From overlapping pairs to forces on bodies.
+
+use crate::penalty::{Island, Material, PairContacts, Screw, SolverBody, islands};
+use crate::query::Contact;
+use crate::{PairContact, Stiffness, VolumePenalty};
+use rapier3d::dynamics::{CoefficientCombineRule, RigidBody, RigidBodyHandle};
+use rapier3d::geometry::Collider;
+use rapier3d::math::{Real, Vector};
+use rapier3d::pipeline::PhysicsWorld;
+
+/// Stiffness of [`Stiffness::Automatic`] in units of weight per cubed size; see [`automatic_stiffness`].
+const RELATIVE_STIFFNESS: f64 = 2e4;
+
+/// Approach speed (m/s, times `length_unit`) under which nothing rebounds, so that resting bodies come to rest.
+const REBOUND_SPEED: f64 = 0.2;
+
+/// Speed (m/s, times `length_unit`) of a contact point from which on it wakes a sleeping body.
+const WAKE_SPEED: f64 = 0.05;
+
+/// Mean force and torque about the centre of mass on one body during the step.
+pub(crate) type BodyForce = (RigidBodyHandle, Screw);
+
+/// Solves for the contact forces of one step and reports them pair by pair.
+pub(crate) fn respond(
+    world: &mut PhysicsWorld,
+    contacts: Vec<Contact>,
+    penalty: &VolumePenalty,
+    report: &mut Vec<PairContact>,
+) -> Vec<BodyForce> {
+    let dt = f64::from(world.integration_parameters.dt);
+    if contacts.is_empty() || dt.is_nan() || dt <= 0.0 {
+        return Vec::new();
+    }
+    wake_touched_bodies(world, &contacts);
+    let bodies = Bodies::new(world, &contacts);
+    let pairs: Vec<[usize; 2]> = contacts.iter().map(|contact| bodies.pair(world, contact)).collect();
+    let movable: Vec<bool> = bodies.states.iter().map(SolverBody::is_movable).collect();
+    let (pairs, contacts): (Vec<_>, Vec<_>) =
+        pairs.into_iter().zip(&contacts).filter(|([a, b], _)| movable[*a] || movable[*b]).unzip();
+    let materials: Vec<Material> = contacts.iter().map(|contact| material(world, contact, penalty)).collect();
+    let islands = islands(&pairs, &movable);
+    let solve = |members: &Vec<usize>| solve_island(&bodies, members, &pairs, (&contacts, &materials), dt);
+    #[cfg(feature = "parallel")]
+    let solved: Vec<Vec<Solved>> = {
+        use rayon::prelude::*;
+        islands.par_iter().map(solve).collect()
+    };
+    #[cfg(not(feature = "parallel"))]
+    let solved: Vec<Vec<Solved>> = islands.iter().map(solve).collect();
+    collect(&bodies, solved, &pairs, &contacts, report)
+}
+
+/// The bodies that take part, each once, in the order of the contacts. Index 0 is the world itself.
+struct Bodies {
+    handles: Vec<Option<RigidBodyHandle>>,
+    states: Vec<SolverBody>,
+}
+
+impl Bodies {
+    fn new(world: &PhysicsWorld, contacts: &[Contact]) -> Self {
+        let colliders = contacts.iter().flat_map(|contact| contact.candidate.colliders);
+        let mut handles: Vec<_> = colliders.filter_map(|c| world.colliders.get(c)?.parent()).collect();
+        handles.sort_unstable_by_key(|handle| handle.into_raw_parts());
+        handles.dedup();
+        let state = |handle: &RigidBodyHandle| {
+            let body = &world.bodies[*handle];
+            let movable = body.is_dynamic() && !body.is_sleeping() && body.is_enabled();
+            SolverBody::new(body, movable, world.gravity, world.integration_parameters.dt)
+        };
+        let states = std::iter::once(SolverBody::FIXED).chain(handles.iter().map(state)).collect();
+        Self { handles: std::iter::once(None).chain(handles.into_iter().map(Some)).collect(), states }
+    }
+
+    fn pair(&self, world: &PhysicsWorld, contact: &Contact) -> [usize; 2] {
+        contact.candidate.colliders.map(|collider| {
+            let parent = world.colliders.get(collider).and_then(Collider::parent);
+            let key = parent.map(RigidBodyHandle::into_raw_parts);
+            self.handles.binary_search_by_key(&key, |h| h.map(RigidBodyHandle::into_raw_parts)).unwrap_or(0)
+        })
+    }
+}
+
+/// One pair after the solve: its index, its point of reference and the wrench on its second body about that.
+struct Solved {
+    pair: usize,
+    origin: rapier3d::glamx::DVec3,
+    wrench: Screw,
+    relative_velocity: Screw,
+}
+
+fn solve_island(
+    bodies: &Bodies,
+    members: &[usize],
+    pairs: &[[usize; 2]],
+    (contacts, materials): (&[&Contact], &[Material]),
+    dt: f64,
+) -> Vec<Solved> {
+    let mut used: Vec<usize> = members.iter().flat_map(|&pair| pairs[pair]).collect();
+    used.sort_unstable();
+    used.dedup();
+    let local = |body: usize| used.binary_search(&body).unwrap_or(0);
+    let contacts = members.iter().map(|&pair| {
+        let states = pairs[pair].map(|body| &bodies.states[body]);
+        PairContacts::new(pairs[pair].map(local), states, materials[pair], &contacts[pair].samples, dt)
+    });
+    let contacts = contacts.collect();
+    let mut island = Island::new(used.iter().map(|&body| bodies.states[body]).collect(), contacts);
+    island.solve(dt);
+    let solved = members.iter().enumerate().map(|(index, &pair)| Solved {
+        pair,
+        origin: island.pairs[index].origin,
+        wrench: island.pair_wrench(index),
+        relative_velocity: island.pairs[index].relative_twist(&island.bodies, |i| island.bodies[i].velocity),
+    });
+    solved.collect()
+}
+
+/// Sums the wrenches per body, in the order of the pairs, and writes the report.
+fn collect(
+    bodies: &Bodies,
+    solved: Vec<Vec<Solved>>,
+    pairs: &[[usize; 2]],
+    contacts: &[&Contact],
+    report: &mut Vec<PairContact>,
+) -> Vec<BodyForce> {
+    let mut solved: Vec<Solved> = solved.into_iter().flatten().filter(|s| s.wrench.is_finite()).collect();
+    solved.sort_unstable_by_key(|s| s.pair);
+    let mut sums = vec![Screw::ZERO; bodies.states.len()];
+    for Solved { pair, origin, wrench, relative_velocity } in solved {
+        let [a, b] = pairs[pair];
+        sums[b] += wrench.wrench_from(origin - bodies.states[b].center_of_mass);
+        sums[a] += -wrench.wrench_from(origin - bodies.states[a].center_of_mass);
+        let samples = &contacts[pair].samples;
+        let volume: Real = samples.iter().map(|s| s.volume).sum();
+        let normal = samples.iter().map(|s| s.volume * s.normal).sum::<Vector>().normalize_or_zero();
+        let area: Real = samples.iter().map(|s| s.area * s.normal.dot(normal).max(0.0)).sum();
+        report.push(PairContact {
+            collider_a: contacts[pair].candidate.colliders[0],
+            collider_b: contacts[pair].candidate.colliders[1],
+            volume,
+            depth: (volume / area.max(Real::MIN_POSITIVE)).min(volume.cbrt()),
+            centroid: origin.as_vec3(),
+            force: wrench.linear.as_vec3(),
+            torque: wrench.angular.as_vec3(),
+            relative_velocity: relative_velocity.linear.as_vec3(),
+        });
+    }
+    let moved = (0..sums.len()).filter(|&i| bodies.states[i].is_movable());
+    moved.filter_map(|i| Some((bodies.handles[i]?, sums[i]))).collect()
+}
+
+fn material(world: &PhysicsWorld, contact: &Contact, penalty: &VolumePenalty) -> Material {
+    let [a, b] = contact.candidate.colliders.map(|handle| world.colliders[handle].material());
+    let combine = CoefficientCombineRule::combine;
+    let unit = f64::from(world.integration_parameters.length_unit);
+    let stiffness = match penalty.stiffness {
+        Stiffness::Automatic => automatic_stiffness(world, contact),
+        Stiffness::Uniform(stiffness) => f64::from(stiffness.max(0.0)),
+    };
+    Material {
+        stiffness,
+        dissipation: f64::from(penalty.dissipation.max(0.0)),
+        friction: combine(a.friction, b.friction, a.friction_combine_rule, b.friction_combine_rule)
+            .max(0.0)
+            .into(),
+        restitution: combine(
+            a.restitution,
+            b.restitution,
+            a.restitution_combine_rule,
+            b.restitution_combine_rule,
+        )
+        .clamp(0.0, 1.0)
+        .into(),
+        creep_speed: (f64::from(penalty.creep_speed) * unit).max(f64::MIN_POSITIVE),
+        rebound_speed: REBOUND_SPEED * unit,
+    }
+}
+
+/// Stiffness (N/m³) at which the lighter body's weight makes it sink by a small share of the smaller body's size L:
+/// weight = k A d, with the contact's cross-section A and depth d in units of L² and L.
+fn automatic_stiffness(world: &PhysicsWorld, contact: &Contact) -> f64 {
+    let mass = |handle| {
+        let body = world.bodies.get(world.colliders.get(handle)?.parent()?).filter(|b| b.is_dynamic())?;
+        Some(f64::from(body.mass()))
+    };
+    let lighter = contact.candidate.colliders.into_iter().filter_map(mass).fold(f64::INFINITY, f64::min);
+    let unit = f64::from(world.integration_parameters.length_unit);
+    // Without gravity something must stop a body all the same: a metre per second squared, in units of length.
+    let gravity = f64::from(world.gravity.length()).max(unit);
+    let size = f64::from(contact.size);
+    let stiffness = RELATIVE_STIFFNESS * lighter * gravity / (size * size * size);
+    if stiffness.is_finite() { stiffness } else { 0.0 }
+}
+
+/// Wakes sleeping bodies that something moving touches.
+fn wake_touched_bodies(world: &mut PhysicsWorld, contacts: &[Contact]) {
+    let speed = WAKE_SPEED as Real * world.integration_parameters.length_unit;
+    for contact in contacts {
+        let parents =
+            contact.candidate.colliders.map(|handle| world.colliders.get(handle).and_then(Collider::parent));
+        let body = |i: usize| parents[i].and_then(|handle| world.bodies.get(handle));
+        let asleep = |i: usize| body(i).is_some_and(|b| b.is_dynamic() && b.is_sleeping());
+        let Some(sleeper) = (0..2).find(|&i| asleep(i)) else { continue };
+        let moving = |b: &RigidBody| {
+            !b.is_sleeping() && b.velocity_at_point(contact.samples[0].point).length() > speed
+        };
+        if let (true, Some(handle)) = (body(1 - sleeper).is_some_and(moving), parents[sleeper]) {
+            world.islands.wake_up(&mut world.bodies, handle, true);
+        }
+    }
+}
+
+/// Forces that were added to bodies for one step, and the user's own forces as they were before.
+pub(crate) struct AppliedForces(Vec<(RigidBodyHandle, Vector, Vector)>);
+
+impl AppliedForces {
+    /// Adds `forces` to the user's. As forces and not as impulses: Rapier moves bodies in substeps, and an impulse
+    /// against gravity at the start of the step would lift a resting body on the way.
+    pub(crate) fn apply(world: &mut PhysicsWorld, forces: Vec<BodyForce>) -> Self {
+        let mut before = Vec::with_capacity(forces.len());
+        for (handle, force) in forces {
+            let Some(body) = world.bodies.get_mut(handle) else { continue };
+            before.push((handle, body.user_force(), body.user_torque()));
+            body.add_force(force.linear.as_vec3(), false);
+            body.add_torque(force.angular.as_vec3(), false);
+        }
+        Self(before)
+    }
+
+    /// Restores the user's forces bit for bit.
+    pub(crate) fn take_back(self, world: &mut PhysicsWorld) {
+        for (handle, force, torque) in self.0 {
+            let Some(body) = world.bodies.get_mut(handle) else { continue };
+            body.reset_forces(false);
+            body.reset_torques(false);
+            body.add_force(force, false);
+            body.add_torque(torque, false);
+        }
+    }
+}
