@@ -1,0 +1,57 @@
+//! Mesh files: Wavefront OBJ, STL, PLY and glTF, each read by the crate that is kept for it.
+//!
+//! A loader's only task is to collect triangles; what they enclose is the business of [`crate::Solid`].
+
+mod gltf;
+mod obj;
+mod ply;
+mod stl;
+
+use crate::{MeshError, TriangleMesh};
+use std::path::Path;
+
+/// What a format's reader met, in words; the path and the format are added by [`TriangleMesh::load`].
+type Parsed = Result<TriangleMesh, String>;
+
+impl TriangleMesh {
+    /// Reads a mesh file; the extension decides on the format: `.obj`, `.stl` (binary or ASCII), `.ply`
+    /// (either), `.gltf` or `.glb`. Polygons become fans of triangles; all objects of a file become one mesh.
+    ///
+    /// # Errors
+    /// [`MeshError`] tells whether the file is missing, empty, of another kind, without faces, or has a
+    /// coordinate that is not finite.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, MeshError> {
+        let path = path.as_ref();
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        let format = match extension.as_str() {
+            "obj" => "OBJ",
+            "stl" => "STL",
+            "ply" => "PLY",
+            "gltf" => "glTF",
+            "glb" => "GLB",
+            // A missing file is the better news than its extension.
+            _ if !path.exists() => "",
+            _ => return Err(MeshError::UnknownFormat { path: path.into() }),
+        };
+        let bytes = std::fs::read(path).map_err(|source| MeshError::Io { path: path.into(), source })?;
+        if bytes.is_empty() {
+            return Err(MeshError::EmptyFile { path: path.into() });
+        }
+        let parsed = match format {
+            "OBJ" => obj::parse(&bytes),
+            "STL" => stl::parse(&bytes),
+            "PLY" => ply::parse(&bytes),
+            _ => gltf::parse(&bytes, path.parent().unwrap_or(Path::new(""))),
+        };
+        let mesh = parsed.map_err(|what| MeshError::Parse { path: path.into(), format, what })?;
+        mesh.validate()?;
+        Ok(mesh)
+    }
+}
+
+/// Adds the polygon `corners` to `triangles` as a fan around its first corner.
+fn add_fan(triangles: &mut Vec<[u32; 3]>, corners: &[u32]) {
+    if let Some((first, rest)) = corners.split_first() {
+        triangles.extend(rest.windows(2).map(|pair| [*first, pair[0], pair[1]]));
+    }
+}

@@ -1,0 +1,107 @@
+//! The placed balls, in a hierarchy of grids by radius.
+//!
+//! Level `l` holds the balls of radius in `(R/2^(l+1), R/2^l]`, `R` the largest, filed by the cell of their
+//! centre; its cells are as wide as its largest diameter. A ball of level `l` whose surface is nearer than
+//! `b` to a point has its centre within `b + R/2^l`, so a query looks at 8 to 27 cells a level while `b` is
+//! no more than the radii. After the hierarchical grids of M. Eitz and G. Lixu (2007).
+
+use glam::{DVec3, IVec3};
+use rustc_hash::FxHashMap;
+
+/// A placed ball, exactly as it is exported.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Ball {
+    pub(super) center: DVec3,
+    pub(super) radius: f64,
+}
+
+impl Ball {
+    /// Distance of `p` from the ball's surface, negative inside.
+    #[inline]
+    pub(super) fn distance(&self, p: DVec3) -> f64 {
+        self.center.distance(p) - self.radius
+    }
+}
+
+#[derive(Debug, Default)]
+pub(super) struct BallGrid {
+    balls: Vec<Ball>,
+    levels: Vec<Level>,
+}
+
+#[derive(Debug)]
+struct Level {
+    largest_radius: f64,
+    cells: FxHashMap<IVec3, Vec<Ball>>,
+}
+
+impl Level {
+    fn cell(&self, p: DVec3) -> IVec3 {
+        (p / (2.0 * self.largest_radius)).floor().as_ivec3()
+    }
+}
+
+impl BallGrid {
+    pub(super) fn balls(&self) -> &[Ball] {
+        &self.balls
+    }
+
+    /// Adds a ball that is no larger than the first one.
+    pub(super) fn insert(&mut self, ball: Ball) {
+        if self.levels.is_empty() {
+            self.levels.push(Level { largest_radius: ball.radius, cells: FxHashMap::default() });
+        }
+        let mut level = 0;
+        while ball.radius <= 0.5 * self.levels[level].largest_radius {
+            level += 1;
+            if level == self.levels.len() {
+                let largest_radius = 0.5 * self.levels[level - 1].largest_radius;
+                self.levels.push(Level { largest_radius, cells: FxHashMap::default() });
+            }
+        }
+        let level = &mut self.levels[level];
+        level.cells.entry(level.cell(ball.center)).or_default().push(ball);
+        self.balls.push(ball);
+    }
+
+    /// Distance from `p` to the nearest ball, negative inside one, or `bound` where none is nearer.
+    pub(super) fn clearance(&self, p: DVec3, bound: f64) -> f64 {
+        let mut nearest = bound;
+        for level in self.levels.iter().rev() {
+            let reach = level.largest_radius + nearest;
+            if reach < 0.0 {
+                continue;
+            }
+            level.visit(p, reach, |ball| nearest = nearest.min(ball.distance(p)));
+        }
+        nearest
+    }
+
+    /// Puts all balls whose surface is nearer than `bound` to `p` into `out`.
+    pub(super) fn gather(&self, p: DVec3, bound: f64, out: &mut Vec<Ball>) {
+        out.clear();
+        for level in &self.levels {
+            level.visit(p, level.largest_radius + bound, |ball| {
+                if ball.distance(p) < bound {
+                    out.push(*ball);
+                }
+            });
+        }
+    }
+}
+
+impl Level {
+    #[inline]
+    fn visit(&self, p: DVec3, reach: f64, mut visit: impl FnMut(&Ball)) {
+        let (first, last) = (self.cell(p - reach), self.cell(p + reach));
+        for z in first.z..=last.z {
+            for y in first.y..=last.y {
+                for x in first.x..=last.x {
+                    if let Some(balls) = self.cells.get(&IVec3::new(x, y, z)) {
+                        balls.iter().for_each(&mut visit);
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Octree cells, sorted into buckets by the largest ball that may still fit.
+
+use super::field::{Candidate, Field, Scratch};
+use glam::DVec3;
+
+/// A leaf is a cell whose half diagonal is at most this share of the radius sought.
+pub(super) const LEAF: f64 = 0.5;
+/// How far an ascent may leave its cell, in half diagonals.
+pub(super) const REACH: f64 = 1.5;
+
+/// A cube of space in which a ball's centre may still lie.
+#[derive(Clone, Debug)]
+pub(super) struct Cell {
+    pub(super) center: DVec3,
+    /// Half of the edge.
+    pub(super) half: f64,
+    /// Clearance at the centre when it was last looked at; it only falls.
+    pub(super) clearance: f64,
+    /// Bounds of the surface's distance from the centre.
+    surface: [f64; 2],
+    /// What the last ascent from here found.
+    candidate: Option<Candidate>,
+}
+
+/// What became of a cell in a round.
+#[derive(Debug, Default)]
+pub(super) struct Visit {
+    /// Cells that cannot hold a ball of this round, with the largest radius they may hold.
+    pub(super) later: Vec<(Cell, f64)>,
+    /// Cells that propose a ball.
+    pub(super) proposals: Vec<Cell>,
+}
+
+impl Cell {
+    pub(super) fn root(center: DVec3, half: f64) -> Self {
+        Self { center, half, clearance: f64::INFINITY, surface: [0.0, f64::INFINITY], candidate: None }
+    }
+
+    fn half_diagonal(&self) -> f64 {
+        self.half * 3.0_f64.sqrt()
+    }
+
+    /// No ball with its centre in the cell is larger.
+    pub(super) fn bound(&self) -> f64 {
+        self.clearance + self.half_diagonal()
+    }
+
+    pub(super) fn candidate(&self) -> Option<&Candidate> {
+        self.candidate.as_ref()
+    }
+
+    /// Brings [`Self::clearance`] up to date.
+    pub(super) fn update(&mut self, field: &Field) {
+        let [lower, upper] = self.surface;
+        let known = self.clearance.min(upper * (1.0 + 1e-6));
+        let to_balls = field.balls.clearance(self.center, known);
+        if to_balls <= lower || to_balls <= 0.0 {
+            self.clearance = to_balls;
+            return;
+        }
+        if lower == upper {
+            self.clearance = self.clearance.min(to_balls);
+            return;
+        }
+        match field.solid.closest_point_within(self.center, to_balls) {
+            Some(nearest) => {
+                self.clearance = nearest.depth;
+                self.surface = [nearest.depth.abs(); 2];
+            }
+            None => {
+                self.clearance = to_balls;
+                self.surface[0] = to_balls;
+            }
+        }
+    }
+
+    fn children(&self) -> impl Iterator<Item = Self> + '_ {
+        let half = 0.5 * self.half;
+        let offset = 0.5 * self.half_diagonal();
+        let [lower, upper] = self.surface;
+        let surface = [(lower - offset).max(0.0), upper + offset];
+        (0..8).map(move |i| {
+            let side = |bit: i32| if i >> bit & 1 == 1 { half } else { -half };
+            let center = self.center + DVec3::new(side(0), side(1), side(2));
+            Self { center, half, clearance: f64::INFINITY, surface, candidate: None }
+        })
+    }
+}
+
+/// Refines `cell` until its parts either propose a ball of at least `radius` or cannot hold one.
+pub(super) fn visit(mut cell: Cell, radius: f64, field: &Field, scratch: &mut Scratch, out: &mut Visit) {
+    cell.update(field);
+    let bound = cell.bound();
+    if bound < radius {
+        // A cell inside a ball or outside the solid is done with.
+        if bound > 0.0 {
+            out.later.push((cell, bound));
+        }
+        return;
+    }
+    if cell.half_diagonal() > LEAF * radius {
+        for child in cell.children() {
+            visit(child, radius, field, scratch, out);
+        }
+        return;
+    }
+    let still_there = cell
+        .candidate
+        .is_some_and(|c| !c.at_boundary && field.balls.clearance(c.center, c.radius) >= c.radius);
+    if !still_there {
+        let reach = REACH * cell.half_diagonal();
+        cell.candidate = Some(field.ascend(cell.center, cell.clearance, reach, scratch));
+    }
+    match cell.candidate {
+        Some(c) if c.radius >= radius && !c.at_boundary => out.proposals.push(cell),
+        Some(c) => {
+            // At the boundary the better place belongs to another cell: look again in the next round.
+            out.later.push((cell, c.radius.min(bound)));
+        }
+        None => {}
+    }
+}

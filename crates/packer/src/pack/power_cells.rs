@@ -1,0 +1,200 @@
+//! Volumes of the power cells, clipped by the mesh.
+//!
+//! The power cell of ball `i` is where `|p − cᵢ|² − rᵢ²` is least (F. Aurenhammer, *Power diagrams*, 1987).
+//! It contains the ball, as the balls are disjoint, so only the gaps between them have to be shared out:
+//! `vᵢ = 4/3·π·rᵢ³ + V_gap·(gap samples in cell i)/(all gap samples)`. The ball's part and the total are
+//! exact, and the sampling error is that of the gaps alone.
+//!
+//! Samples stand on a jittered lattice. It is refined as an octree, and each box keeps only the balls
+//! whose cell may reach into it: the difference of two power distances is linear in `p`, so it varies by no
+//! more than `2·|cᵢ − cⱼ|·h` within `h` of the centre. Boxes inside one ball or outside the mesh end early.
+
+use super::ball_grid::Ball;
+use crate::Solid;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// Boxes along each side that are shared out as tasks.
+const TASK_LEVEL: u32 = 3;
+
+/// Volumes of the cells of `balls`, summing to the volume of `solid`, for about `samples` gap samples.
+pub(super) fn volumes(solid: &Solid, balls: &[Ball], samples: usize) -> Vec<f64> {
+    let ball_volume = |ball: &Ball| 4.0 / 3.0 * PI * ball.radius.powi(3);
+    let own: Vec<f64> = balls.iter().map(ball_volume).collect();
+    let total = solid.properties().volume;
+    let gap = (total - own.iter().sum::<f64>()).max(0.0);
+    let counts = count_samples(solid, balls, gap / samples.max(1) as f64);
+    let sum: u64 = counts.iter().sum();
+    if sum == 0 {
+        // No sample met a gap: share by size.
+        let scale = total / own.iter().sum::<f64>();
+        return own.iter().map(|volume| volume * scale).collect();
+    }
+    own.iter().zip(&counts).map(|(volume, count)| volume + gap * (*count as f64 / sum as f64)).collect()
+}
+
+fn count_samples(solid: &Solid, balls: &[Ball], volume_per_sample: f64) -> Vec<u64> {
+    let (lower, upper) = solid.bounds();
+    let side = (upper - lower).max_element() * (1.0 + 1e-9);
+    let spacing = volume_per_sample.cbrt();
+    // A lattice of 2^depth samples a side; 2^20 would be more than any count asks for.
+    let depth = (TASK_LEVEL..20).find(|depth| side / f64::from(1_u32 << depth) <= spacing).unwrap_or(20);
+    // Stretch the cube so that the spacing is met and not just undercut.
+    let side = spacing * f64::from(1_u32 << depth);
+    let root = Box { center: 0.5 * (lower + upper), half: 0.5 * side, depth, key: 0 };
+    let all: Vec<u32> = (0..balls.len() as u32).collect();
+    let sampler = Sampler { solid, balls };
+    let mut tasks = vec![(root, all)];
+    for _ in 0..TASK_LEVEL {
+        tasks = tasks
+            .par_iter()
+            .flat_map_iter(|(parent, list)| {
+                parent.children().map(|child| {
+                    let kept = sampler.filter(&child, list);
+                    (child, kept)
+                })
+            })
+            .collect();
+    }
+    let found: Vec<Vec<(u32, u32)>> = tasks
+        .into_par_iter()
+        .with_max_len(1)
+        .map(|(task, list)| {
+            let mut hits = Vec::new();
+            sampler.descend(&task, &list, f64::INFINITY, &mut hits);
+            hits.sort_unstable();
+            let mut runs: Vec<(u32, u32)> = Vec::new();
+            for ball in hits {
+                match runs.last_mut() {
+                    Some(run) if run.0 == ball => run.1 += 1,
+                    _ => runs.push((ball, 1)),
+                }
+            }
+            runs
+        })
+        .collect();
+    let mut counts = vec![0; balls.len()];
+    for (ball, count) in found.into_iter().flatten() {
+        counts[ball as usize] += u64::from(count);
+    }
+    counts
+}
+
+/// A cube of `2^depth` samples a side.
+struct Box {
+    center: DVec3,
+    half: f64,
+    depth: u32,
+    /// Path from the root, three bits a level: the number of the sample, from which its jitter comes.
+    key: u64,
+}
+
+impl Box {
+    fn children(&self) -> impl Iterator<Item = Self> + '_ {
+        (0..8_u32).map(|i| {
+            let half = 0.5 * self.half;
+            let side = |bit: u32| if i >> bit & 1 == 1 { half } else { -half };
+            Self {
+                center: self.center + DVec3::new(side(0), side(1), side(2)),
+                half,
+                depth: self.depth - 1,
+                key: self.key << 3 | u64::from(i),
+            }
+        })
+    }
+
+    fn half_diagonal(&self) -> f64 {
+        self.half * 3.0_f64.sqrt()
+    }
+
+    /// The sample of a box of one: a random point of it.
+    fn sample(&self) -> DVec3 {
+        let mut state = self.key.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut uniform = || {
+            state = split_mix(state);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let jitter = DVec3::new(uniform(), uniform(), uniform());
+        self.center + (2.0 * jitter - 1.0) * self.half
+    }
+}
+
+/// One step of SplitMix64 (G. Steele, D. Lea, C. Flood, 2014).
+fn split_mix(state: u64) -> u64 {
+    let z = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    let z = (z ^ z >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+    z ^ z >> 31
+}
+
+struct Sampler<'a> {
+    solid: &'a Solid,
+    balls: &'a [Ball],
+}
+
+impl Sampler<'_> {
+    fn power(&self, ball: u32, p: DVec3) -> f64 {
+        let ball = &self.balls[ball as usize];
+        ball.center.distance_squared(p) - ball.radius * ball.radius
+    }
+
+    /// The ball of least power distance; the first of equals.
+    fn nearest(&self, p: DVec3, list: &[u32]) -> (u32, f64) {
+        list.iter().fold((u32::MAX, f64::INFINITY), |best, ball| {
+            let power = self.power(*ball, p);
+            if power < best.1 { (*ball, power) } else { best }
+        })
+    }
+
+    /// The balls of `list` whose cell may reach into `within`.
+    fn filter(&self, within: &Box, list: &[u32]) -> Vec<u32> {
+        let (nearest, least) = self.nearest(within.center, list);
+        let slope = 2.0 * within.half_diagonal() * (1.0 + 1e-9);
+        let hub = self.balls[nearest as usize].center;
+        let reaches = |ball: &&u32| {
+            let distance = hub.distance(self.balls[**ball as usize].center);
+            self.power(**ball, within.center) <= least + slope * distance
+        };
+        list.iter().filter(reaches).copied().collect()
+    }
+
+    /// Adds the ball of every gap sample in `within` to `hits`. `surface` is a lower bound of the depth of
+    /// every point in the box, or infinity where nothing is known.
+    fn descend(&self, within: &Box, list: &[u32], surface: f64, hits: &mut Vec<u32>) {
+        let reach = within.half_diagonal();
+        let mut inside = surface == f64::NEG_INFINITY;
+        if within.depth == 0 {
+            let p = within.sample();
+            let (ball, power) = self.nearest(p, list);
+            if power > 0.0 && (inside || self.solid.contains(p)) {
+                hits.push(ball);
+            }
+            return;
+        }
+        // Wholly inside one ball: no gap.
+        let (nearest, _) = self.nearest(within.center, list);
+        if self.balls[nearest as usize].distance(within.center) < -reach {
+            return;
+        }
+        if !inside {
+            // Nothing within reach means that the box is wholly inside or wholly outside.
+            match self.solid.closest_point_within(within.center, reach) {
+                Some(_) => {}
+                None if self.solid.contains(within.center) => inside = true,
+                None => return,
+            }
+        }
+        let surface = if inside { f64::NEG_INFINITY } else { f64::INFINITY };
+        for child in within.children() {
+            let kept;
+            let list = if child.depth > 0 && list.len() > 4 {
+                kept = self.filter(&child, list);
+                &kept
+            } else {
+                list
+            };
+            self.descend(&child, list, surface, hits);
+        }
+    }
+}

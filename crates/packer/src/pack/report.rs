@@ -1,0 +1,66 @@
+//! What the packer says about its work.
+
+use std::fmt;
+
+/// Which of the asked limits ended the packing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum StopReason {
+    /// The asked number of spheres is placed.
+    SphereCount,
+    /// The asked coverage is reached.
+    Coverage,
+    /// No further ball of the asked least radius fits.
+    MinRadius,
+    /// No further ball fits that single precision can tell from a point.
+    Exhausted,
+}
+
+impl fmt::Display for StopReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::SphereCount => "sphere count",
+            Self::Coverage => "coverage",
+            Self::MinRadius => "minimum radius",
+            Self::Exhausted => "no larger ball fits",
+        })
+    }
+}
+
+/// How far the work has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// Balls placed.
+    pub spheres: usize,
+    /// Share of the volume that they fill.
+    pub coverage: f64,
+    /// Share of the work done, 0 to 1, by the stop that is nearest.
+    pub fraction: f64,
+}
+
+/// Figures of a finished packing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PackReport {
+    /// Number of spheres.
+    pub spheres: usize,
+    /// Share of the volume that the balls fill.
+    pub coverage: f64,
+    /// What ended the packing.
+    pub stop: StopReason,
+    /// Smallest radius (m).
+    pub radius_min: f64,
+    /// Median radius (m).
+    pub radius_median: f64,
+    /// Largest radius (m).
+    pub radius_max: f64,
+    /// Farthest that a ball sticks out of the mesh (m); zero or less where all are inside.
+    pub protrusion: f64,
+    /// Deepest overlap of two balls (m); zero or less where they are disjoint.
+    pub overlap: f64,
+    /// Wall time for placing the balls (s).
+    pub place_seconds: f64,
+    /// Wall time for measuring the power cells (s).
+    pub cells_seconds: f64,
+    /// Wall time for normals and residuals (s).
+    pub finish_seconds: f64,
+}

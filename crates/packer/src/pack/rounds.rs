@@ -1,0 +1,153 @@
+//! Greedy packing in rounds of falling radius.
+
+use super::ball_grid::{Ball, BallGrid};
+use super::cells::{Cell, Visit, visit};
+use super::field::{Field, Scratch};
+use crate::Solid;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Each round takes balls of at least this share of the radius of the round before.
+pub(super) const FALL: f64 = 0.9;
+/// Cells along the longest side of the root grid.
+const ROOT_CELLS: f64 = 12.0;
+/// Cells that one task visits; small enough to share out the work of the first rounds.
+const CHUNK: usize = 32;
+
+/// Places balls until `wanted` says stop; it is asked before each ball with the next one.
+pub(super) fn place(solid: &Solid, smallest: f64, mut wanted: impl FnMut(&Ball) -> bool) -> BallGrid {
+    let mut balls = BallGrid::default();
+    let roots = roots(solid);
+    let Some(largest) = roots.iter().map(Cell::bound).max_by(f64::total_cmp) else { return balls };
+    let mut buckets = Buckets::new(largest);
+    for root in roots {
+        let bound = root.bound();
+        buckets.add(root, bound, 0);
+    }
+    let mut round = 0;
+    while buckets.radii[round] >= smallest {
+        let mut active = std::mem::take(&mut buckets.cells[round]);
+        buckets.extend(round + 1);
+        let radius = buckets.radii[round + 1].max(smallest);
+        while !active.is_empty() {
+            let field = Field { solid, balls: &balls };
+            let visited = visit_all(active, radius, &field);
+            active = Vec::new();
+            let mut proposals: Vec<(Ball, usize)> = Vec::new();
+            for visit in visited {
+                for (cell, bound) in visit.0.later {
+                    if bound >= smallest {
+                        buckets.add(cell, bound, round + 1);
+                    }
+                }
+                for (cell, ball) in visit.0.proposals.into_iter().zip(visit.1) {
+                    match ball {
+                        Some(ball) if ball.radius >= radius => {
+                            proposals.push((ball, active.len()));
+                            active.push(cell);
+                        }
+                        _ => buckets.add(cell, radius, round + 1),
+                    }
+                }
+            }
+            proposals.sort_by(|a, b| b.0.radius.total_cmp(&a.0.radius).then(a.1.cmp(&b.1)));
+            for (ball, _) in proposals {
+                if balls.clearance(ball.center, ball.radius) >= ball.radius {
+                    if !wanted(&ball) {
+                        return balls;
+                    }
+                    balls.insert(ball);
+                }
+            }
+        }
+        round += 1;
+    }
+    balls
+}
+
+/// Visits all cells, in parallel but with results in order; proposals come with their exported ball.
+fn visit_all(cells: Vec<Cell>, radius: f64, field: &Field) -> Vec<(Visit, Vec<Option<Ball>>)> {
+    cells
+        .par_chunks(CHUNK)
+        .map_init(Scratch::default, |scratch, chunk| {
+            let mut out = Visit::default();
+            for cell in chunk {
+                visit(cell.clone(), radius, field, scratch, &mut out);
+            }
+            let balls = out.proposals.iter().map(|cell| export(cell, field)).collect();
+            (out, balls)
+        })
+        .collect()
+}
+
+/// The ball as it is stored: centre rounded to single precision, clearance taken there, radius rounded down.
+fn export(cell: &Cell, field: &Field) -> Option<Ball> {
+    let candidate = cell.candidate()?;
+    let center = candidate.center.as_vec3().as_dvec3();
+    let clearance = field.clearance(center, 2.0 * candidate.radius);
+    let radius = round_down(clearance);
+    (radius > 0.0).then_some(Ball { center, radius: f64::from(radius) })
+}
+
+/// The largest f32 that is not larger than `x`.
+pub(super) fn round_down(x: f64) -> f32 {
+    let rounded = x as f32;
+    if f64::from(rounded) > x { rounded.next_down() } else { rounded }
+}
+
+fn roots(solid: &Solid) -> Vec<Cell> {
+    let (lower, upper) = solid.bounds();
+    let extent = upper - lower;
+    let edge = extent.max_element() / ROOT_CELLS;
+    let counts = (extent / edge).ceil().max(DVec3::ONE).as_ivec3();
+    let first = 0.5 * (lower + upper) - 0.5 * edge * counts.as_dvec3();
+    let mut centers = Vec::new();
+    for z in 0..counts.z {
+        for y in 0..counts.y {
+            for x in 0..counts.x {
+                centers.push(first + (DVec3::new(x.into(), y.into(), z.into()) + 0.5) * edge);
+            }
+        }
+    }
+    let balls = BallGrid::default();
+    let field = Field { solid, balls: &balls };
+    centers
+        .into_par_iter()
+        .filter_map(|center| {
+            let mut cell = Cell::root(center, 0.5 * edge);
+            cell.update(&field);
+            (cell.bound() > 0.0).then_some(cell)
+        })
+        .collect()
+}
+
+/// Cells by the round in which they can first hold a ball.
+struct Buckets {
+    /// Largest radius in each bucket.
+    radii: Vec<f64>,
+    cells: Vec<Vec<Cell>>,
+}
+
+impl Buckets {
+    fn new(largest: f64) -> Self {
+        Self { radii: vec![largest * (1.0 + 1e-9)], cells: vec![Vec::new()] }
+    }
+
+    fn extend(&mut self, round: usize) {
+        while self.radii.len() <= round + 1 {
+            let last = self.radii[self.radii.len() - 1];
+            self.radii.push(last * FALL);
+            self.cells.push(Vec::new());
+        }
+    }
+
+    /// Files `cell` under `bound`, but not before round `earliest`.
+    fn add(&mut self, cell: Cell, bound: f64, earliest: usize) {
+        while self.radii[self.radii.len() - 1] > bound {
+            self.extend(self.radii.len());
+        }
+        // Bucket k holds bounds in (radii[k + 1], radii[k]].
+        let bucket = self.radii.partition_point(|radius| *radius >= bound) - 1;
+        self.cells[bucket.max(earliest)].push(cell);
+    }
+}

@@ -1,0 +1,85 @@
+//! Angle-weighted pseudonormals: they tell inside from outside at edges and corners too.
+//!
+//! J. A. Bærentzen and H. Aanæs, *Signed distance computation using the angle weighted pseudonormal*, IEEE
+//! TVCG 11 (2005). If `q` is the closest point of a closed, oriented manifold to `p`, then `p` lies outside
+//! exactly if `(p − q)·n > 0` with `n` the normal of `q`'s face, the sum of the two normals at its edge, or
+//! the sum of the normals around its corner weighted by their angles.
+//!
+//! Departure: where two cones of faces touch in one vertex, each cone has its own pseudonormal, which
+//! is why they are stored per corner of a triangle and not per vertex.
+
+use super::topology::Neighbours;
+use super::triangle::Feature;
+use crate::TriangleMesh;
+use glam::DVec3;
+
+#[derive(Clone, Debug)]
+pub(super) struct Pseudonormals {
+    faces: Vec<DVec3>,
+    edges: Vec<[DVec3; 3]>,
+    corners: Vec<[DVec3; 3]>,
+}
+
+impl Pseudonormals {
+    pub(super) fn new(mesh: &TriangleMesh, neighbours: &Neighbours) -> Self {
+        let faces: Vec<DVec3> = (0..mesh.triangles.len())
+            .map(|triangle| {
+                let [a, b, c] = mesh.corners(triangle);
+                (b - a).cross(c - a).normalize_or_zero()
+            })
+            .collect();
+        let edges = neighbours
+            .iter()
+            .zip(&faces)
+            .map(|(others, normal)| others.map(|other| *normal + faces[other as usize]))
+            .collect();
+        let mut corners = vec![[DVec3::ZERO; 3]; faces.len()];
+        let mut seen = vec![[false; 3]; faces.len()];
+        for triangle in 0..faces.len() {
+            for corner in 0..3 {
+                if !seen[triangle][corner] {
+                    let fan = fan(mesh, neighbours, triangle, corner);
+                    let normal = fan.iter().map(|(t, c)| faces[*t] * angle(mesh, *t, *c)).sum();
+                    for (t, c) in fan {
+                        corners[t][c] = normal;
+                        seen[t][c] = true;
+                    }
+                }
+            }
+        }
+        Self { faces, edges, corners }
+    }
+
+    #[inline]
+    pub(super) fn at(&self, triangle: u32, feature: Feature) -> DVec3 {
+        match feature {
+            Feature::Face => self.faces[triangle as usize],
+            Feature::Edge(i) => self.edges[triangle as usize][usize::from(i)],
+            Feature::Corner(i) => self.corners[triangle as usize][usize::from(i)],
+        }
+    }
+}
+
+/// The triangles around one corner, reached across edges, each with its own index of that corner.
+fn fan(mesh: &TriangleMesh, neighbours: &Neighbours, triangle: usize, corner: usize) -> Vec<(usize, usize)> {
+    let vertex = mesh.triangles[triangle][corner];
+    let mut fan = vec![(triangle, corner)];
+    loop {
+        let (t, c) = fan[fan.len() - 1];
+        // Edge `c` starts in the corner; every orientation is consistent, so this always turns the same way.
+        let next = neighbours[t][c] as usize;
+        let Some(slot) = mesh.triangles[next].iter().position(|v| *v == vertex) else { return fan };
+        if next == triangle || fan.len() > mesh.triangles.len() {
+            return fan;
+        }
+        fan.push((next, slot));
+    }
+}
+
+fn angle(mesh: &TriangleMesh, triangle: usize, corner: usize) -> f64 {
+    let points = mesh.corners(triangle);
+    let (p, q, r) = (points[corner], points[(corner + 1) % 3], points[(corner + 2) % 3]);
+    let (u, v) = ((q - p).normalize_or_zero(), (r - p).normalize_or_zero());
+    // Accurate for all angles, unlike the arc cosine (W. Kahan).
+    2.0 * (u - v).length().atan2((u + v).length())
+}
