@@ -1,1 +1,5 @@
-//! Placeholder.
+//! What the examples share: generated meshes, a headless renderer and a palette.
+
+pub mod palette;
+pub mod render;
+pub mod shapes;

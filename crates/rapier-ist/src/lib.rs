@@ -8,6 +8,8 @@ mod model;
 mod penalty;
 mod plugin;
 mod query;
+#[cfg(feature = "mcap")]
+pub mod record;
 mod report;
 mod response;
 mod shape;

@@ -1,0 +1,81 @@
+//! Grids of samples: what is seen at each place.
+
+use glam::Vec3;
+
+/// A grid, rows from top to bottom.
+pub(super) struct Grid<S> {
+    pub(super) width: usize,
+    pub(super) height: usize,
+    pub(super) samples: Vec<S>,
+}
+
+impl<S: Sample> Grid<S> {
+    pub(super) fn new(width: usize, height: usize) -> Self {
+        Self { width, height, samples: vec![S::EMPTY; width * height] }
+    }
+}
+
+/// What a grid keeps of the nearest thing at a place.
+pub(super) trait Sample: Copy + Send + Sync {
+    /// Nothing there.
+    const EMPTY: Self;
+    /// See [`View`](super::camera::View); the nearest wins.
+    fn nearness(&self) -> f32;
+    fn new(nearness: f32, fragment: impl FnOnce() -> Fragment) -> Self;
+}
+
+/// A piece of a thing.
+pub(super) struct Fragment {
+    pub(super) normal: Vec3,
+    pub(super) surface: u32,
+    /// Seen from inside.
+    pub(super) back: bool,
+}
+
+/// The light needs to know only how far it reaches.
+impl Sample for f32 {
+    const EMPTY: Self = f32::NEG_INFINITY;
+
+    fn nearness(&self) -> f32 {
+        *self
+    }
+
+    fn new(nearness: f32, _: impl FnOnce() -> Fragment) -> Self {
+        nearness
+    }
+}
+
+/// What the camera sees at a place, in 16 bytes: four million of them make a picture.
+#[derive(Clone, Copy)]
+pub(super) struct Seen {
+    pub(super) nearness: f32,
+    /// Components times [`NORMAL_SCALE`].
+    normal: [i16; 3],
+    pub(super) back: bool,
+    pub(super) surface: u32,
+}
+
+const NORMAL_SCALE: f32 = 32_000.0;
+
+impl Seen {
+    pub(super) const NOTHING: u32 = u32::MAX;
+    pub(super) const GROUND: u32 = u32::MAX - 1;
+
+    pub(super) fn normal(&self) -> Vec3 {
+        Vec3::from(self.normal.map(|component| f32::from(component) / NORMAL_SCALE))
+    }
+}
+
+impl Sample for Seen {
+    const EMPTY: Self = Self { nearness: 0.0, normal: [0; 3], back: false, surface: Self::NOTHING };
+
+    fn nearness(&self) -> f32 {
+        self.nearness
+    }
+
+    fn new(nearness: f32, fragment: impl FnOnce() -> Fragment) -> Self {
+        let Fragment { normal, surface, back } = fragment();
+        let normal = normal.to_array().map(|component| (component * NORMAL_SCALE) as i16);
+        Self { nearness, normal, back, surface }
+    }
+}

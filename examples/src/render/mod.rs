@@ -1,0 +1,40 @@
+//! A small software renderer for pictures without a screen.
+//!
+//! Triangles and exact spheres in a z-buffer, a key light with soft shadows, ambient occlusion, a ground that
+//! fades into the background, and a cut plane to look into bodies. The camera frames the scene by itself.
+//!
+//! ```no_run
+//! use glamx::Pose3;
+//! use glam::Vec3;
+//! use rapier_ist_examples::render::{Mesh, PictureSize, Scene, Surface};
+//! use rapier_ist_examples::{palette, shapes};
+//!
+//! # fn main() -> Result<(), rapier_ist_examples::render::ImageError> {
+//! let ring = Mesh::new(&shapes::ring(0.5, 0.15, [96, 48]));
+//! let mut scene = Scene::new();
+//! scene.add_mesh(&ring, Pose3::IDENTITY, Surface::new(palette::color(0)));
+//! scene.set_ground(-0.15);
+//! let camera = scene.framed_from(Vec3::new(1.0, 0.8, 2.0), PictureSize::HD);
+//! scene.render(&camera, PictureSize::HD).save_png("ring.png")?;
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! The stages: [`Scene`] collects, `raster` fills a buffer of depths, normals and surfaces from the camera and a
+//! buffer of depths from the light, `occlusion` and `shade` turn them into light, `resolve` averages the samples
+//! of each pixel. Every stage writes each pixel from one thread, so pictures do not depend on their number.
+
+mod buffer;
+mod camera;
+mod image;
+mod mesh;
+mod occlusion;
+mod raster;
+mod scene;
+mod shade;
+mod shadow;
+
+pub use camera::Camera;
+pub use image::{Image, ImageError};
+pub use mesh::Mesh;
+pub use scene::{CutPlane, PictureSize, Scene, Section, Surface};

@@ -1,0 +1,204 @@
+//! Triangles and balls into a grid of samples, nearest first.
+//!
+//! Triangles are filled by barycentric coordinates; balls are intersected with the ray of each sample, so that
+//! their outlines, depths and normals are exact.
+
+use super::buffer::{Fragment, Grid, Sample};
+use super::camera::View;
+use super::scene::{Ball, CutPlane, PlacedMesh, Scene, Section};
+use glam::Vec3;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Rows that a thread draws at a time: enough bands to share, few enough that each may look at every triangle.
+const BAND: usize = 64;
+
+/// Draws everything but the ground.
+pub(super) fn draw<V: View, S: Sample>(scene: &Scene, view: &V, grid: &mut Grid<S>) {
+    let meshes: Vec<Vec<Triangle>> =
+        scene.meshes.par_iter().map(|placed| project_mesh(scene, view, placed)).collect();
+    let balls: Vec<ProjectedBall> =
+        scene.balls.iter().filter_map(|ball| project_ball(scene, view, ball)).collect();
+    let width = grid.width;
+    grid.samples.par_chunks_mut(width.max(1) * BAND).enumerate().for_each(|(index, samples)| {
+        let first = index * BAND;
+        let rows = first..first + samples.len() / width;
+        let mut band = Band { samples, width, rows, view };
+        for triangle in meshes.iter().flatten() {
+            band.fill_triangle(triangle);
+        }
+        for ball in &balls {
+            band.fill_ball(ball);
+        }
+    });
+}
+
+/// A triangle on the grid.
+struct Triangle {
+    /// Column, row and nearness of the corners.
+    corners: [Vec3; 3],
+    /// Weighted normals of the corners, towards the viewer.
+    normals: [Vec3; 3],
+    /// Weighted distances of the corners beyond the cut plane.
+    beyond: [f32; 3],
+    surface: u32,
+    back: bool,
+}
+
+/// A ball with the part of the grid that it can cover.
+struct ProjectedBall {
+    ball: Ball,
+    columns: [f32; 2],
+    rows: [f32; 2],
+    cut: Option<CutPlane>,
+}
+
+fn project_mesh<V: View>(scene: &Scene, view: &V, placed: &PlacedMesh) -> Vec<Triangle> {
+    let PlacedMesh { mesh, pose, surface } = *placed;
+    let cut = scene.cut.filter(|_| scene.surfaces[surface as usize].section != Section::Whole);
+    let world: Vec<Vec3> = mesh.positions.iter().map(|&p| pose.transform_point(p)).collect();
+    let projected: Vec<Option<Vec3>> = world.iter().map(|&p| view.project(p)).collect();
+    let mut triangles = Vec::with_capacity(mesh.triangles.len() / 2);
+    for (vertices, normals) in mesh.triangles.iter().zip(&mesh.normals) {
+        let [Some(a), Some(b), Some(c)] = vertices.map(|i| projected[i as usize]) else { continue };
+        // Counter-clockwise from outside is clockwise on the grid, whose rows grow downwards.
+        let back = (b - a).truncate().perp_dot((c - a).truncate()) >= 0.0;
+        if back && cut.is_none() {
+            continue;
+        }
+        let corners = [a, b, c];
+        let weights = corners.map(|corner| view.weight(corner.z));
+        let side = if back { -1.0 } else { 1.0 };
+        let normal = |k: usize| pose.rotation * normals[k] * (side * weights[k]);
+        let beyond =
+            |k: usize| cut.map_or(-1.0, |plane| plane.beyond(world[vertices[k] as usize]) * weights[k]);
+        triangles.push(Triangle {
+            corners,
+            normals: [0, 1, 2].map(normal),
+            beyond: [0, 1, 2].map(beyond),
+            surface,
+            back,
+        });
+    }
+    triangles
+}
+
+fn project_ball<V: View>(scene: &Scene, view: &V, ball: &Ball) -> Option<ProjectedBall> {
+    let section = scene.surfaces[ball.surface as usize].section;
+    let cut = scene.cut.filter(|_| section == Section::Capped);
+    let gone = |plane: &CutPlane| match section {
+        Section::Whole => false,
+        Section::Hollow => plane.beyond(ball.center) > 0.0,
+        Section::Capped => plane.beyond(ball.center) > ball.radius,
+    };
+    if scene.cut.as_ref().is_some_and(gone) {
+        return None;
+    }
+    let [left, right, top, bottom] = view.ball_bounds(ball.center, ball.radius)?;
+    Some(ProjectedBall { ball: *ball, columns: [left, right], rows: [top, bottom], cut })
+}
+
+/// Some rows of the grid.
+struct Band<'a, S, V> {
+    samples: &'a mut [S],
+    width: usize,
+    rows: Range<usize>,
+    view: &'a V,
+}
+
+impl<S: Sample, V: View> Band<'_, S, V> {
+    fn fill_triangle(&mut self, triangle: &Triangle) {
+        let [a, b, c] = triangle.corners;
+        let (lower, upper) = (a.min(b).min(c), a.max(b).max(c));
+        let rows = covered(lower.y, upper.y, self.rows.clone());
+        if rows.is_empty() {
+            return;
+        }
+        let columns = covered(lower.x, upper.x, 0..self.width);
+        let (ab, ac) = ((b - a).truncate(), (c - a).truncate());
+        let area = ab.perp_dot(ac);
+        if columns.is_empty() || area == 0.0 {
+            return;
+        }
+        for row in rows {
+            let start = (row - self.rows.start) * self.width;
+            for column in columns.clone() {
+                let offset = glam::Vec2::new(column as f32 + 0.5, row as f32 + 0.5) - a.truncate();
+                let (v, w) = (offset.perp_dot(ac) / area, ab.perp_dot(offset) / area);
+                let u = 1.0 - v - w;
+                if u < 0.0 || v < 0.0 || w < 0.0 {
+                    continue;
+                }
+                let nearness = a.z * u + b.z * v + c.z * w;
+                let sample = &mut self.samples[start + column];
+                let [beyond_a, beyond_b, beyond_c] = triangle.beyond;
+                if nearness <= sample.nearness() || beyond_a * u + beyond_b * v + beyond_c * w > 0.0 {
+                    continue;
+                }
+                *sample = S::new(nearness, || {
+                    let [na, nb, nc] = triangle.normals;
+                    let normal = (na * u + nb * v + nc * w).normalize_or_zero();
+                    Fragment { normal, surface: triangle.surface, back: triangle.back }
+                });
+            }
+        }
+    }
+
+    fn fill_ball(&mut self, projected: &ProjectedBall) {
+        let [top, bottom] = projected.rows;
+        let rows = covered(top, bottom, self.rows.clone());
+        let [left, right] = projected.columns;
+        let columns = covered(left, right, 0..self.width);
+        for row in rows {
+            let start = (row - self.rows.start) * self.width;
+            for column in columns.clone() {
+                let ray = self.view.ray(column as f32 + 0.5, row as f32 + 0.5);
+                let Some((t, normal)) = hit_ball(ray, projected) else { continue };
+                let nearness = self.view.nearness(t);
+                let sample = &mut self.samples[start + column];
+                if nearness > sample.nearness() {
+                    let surface = projected.ball.surface;
+                    *sample = S::new(nearness, || Fragment { normal, surface, back: false });
+                }
+            }
+        }
+    }
+}
+
+/// Where a ray meets a ball, cut as the ball asks for, and the unit normal there.
+fn hit_ball((origin, direction): (Vec3, Vec3), projected: &ProjectedBall) -> Option<(f32, Vec3)> {
+    let Ball { center, radius, .. } = projected.ball;
+    let to_center = center - origin;
+    let length_squared = direction.length_squared();
+    let middle = to_center.dot(direction) / length_squared;
+    // From the foot of the perpendicular: the textbook b² − ac loses small balls far away to cancellation.
+    let half_chord_squared =
+        (radius * radius - (to_center - direction * middle).length_squared()) / length_squared;
+    if half_chord_squared < 0.0 {
+        return None;
+    }
+    let half_chord = half_chord_squared.sqrt();
+    let t = middle - half_chord;
+    let normal = (direction * t - to_center) / radius;
+    match projected.cut {
+        Some(plane) if plane.beyond(origin + direction * t) > 0.0 => {
+            let t = hit_plane((origin, direction), &plane)?;
+            (t > middle - half_chord && t < middle + half_chord).then_some((t, plane.normal))
+        }
+        _ => Some((t, normal)),
+    }
+}
+
+/// Where a ray meets the cut plane.
+pub(super) fn hit_plane((origin, direction): (Vec3, Vec3), plane: &CutPlane) -> Option<f32> {
+    let approach = direction.dot(plane.normal);
+    (approach != 0.0).then(|| -plane.beyond(origin) / approach)
+}
+
+/// The samples of `range` whose middles lie between `low` and `high`.
+fn covered(low: f32, high: f32, range: Range<usize>) -> Range<usize> {
+    let first = (low - 0.5).ceil().max(range.start as f32);
+    let end = ((high - 0.5).floor() + 1.0).min(range.end as f32);
+    // A bound that is not a number gives an empty range, too.
+    if first < end { first as usize..end as usize } else { range.start..range.start }
+}
