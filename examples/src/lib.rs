@@ -1,5 +1,8 @@
-//! What the examples share: generated meshes, a headless renderer and a palette.
+//! What the examples, tests and benchmarks share: generated meshes, scenes, figures, a headless renderer.
 
+pub mod figures;
+pub mod output;
 pub mod palette;
 pub mod render;
+pub mod scenes;
 pub mod shapes;

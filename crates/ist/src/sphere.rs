@@ -47,7 +47,7 @@ pub(crate) fn volume_radius(v: f32) -> f32 {
 
 /// Cube root of a non-negative number by Newton's method, with IEEE operations only, so that every
 /// platform rounds alike.
-fn cube_root(x: f64) -> f64 {
+pub(crate) fn cube_root(x: f64) -> f64 {
     if !(x > 0.0 && x.is_finite()) {
         return if x > 0.0 { x } else { 0.0 };
     }

@@ -1,6 +1,7 @@
 //! How an overlap turns into a force.
 
 use super::totals::{Totals, WrenchSum};
+use crate::sphere::cube_root;
 
 /// How the force on B follows from the overlap; always for a stiffness of 1 N/m³.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -18,8 +19,12 @@ pub enum ForceLaw {
     Blended,
 }
 
-/// Significance from which on the gradient alone decides.
-const SIGNIFICANT: f64 = 0.3;
+/// Length of the volume gradient, in units of V^⅔, from which on it alone decides the direction.
+///
+/// A convex overlap has 2 to 5. The gradient of a body wholly inside another is zero but for the noise of the
+/// sphere representation: at most 0.14 (1,000 spheres) and 0.29 (300 spheres) in 73 poses of a rabbit inside another;
+/// the gradient is still right to 2.5–7.5° (medians) in deep overlap, where its length goes down to 0.1.
+const SIGNIFICANT: f64 = 0.2;
 
 impl ForceLaw {
     pub(super) fn wrench(self, totals: &Totals) -> WrenchSum {
@@ -40,12 +45,9 @@ fn outward(totals: &Totals) -> WrenchSum {
 }
 
 fn blended(totals: &Totals) -> WrenchSum {
-    let outward = outward(totals);
-    let length = totals.gradient.force.length();
-    let significance = length / totals.area.max(f64::MIN_POSITIVE);
-    let weight = gradient_weight(significance);
-    let along_gradient = unit(&totals.gradient, totals.volume * weight);
-    let along_normals = unit(&outward, totals.volume * (1.0 - weight));
+    let weight = gradient_weight(totals.gradient.force.length(), totals.volume);
+    let along_gradient = scaled(&totals.gradient, totals.volume * weight);
+    let along_normals = scaled(&outward(totals), totals.volume * (1.0 - weight));
     WrenchSum {
         force: along_gradient.force + along_normals.force,
         torque: along_gradient.torque + along_normals.torque,
@@ -53,14 +55,14 @@ fn blended(totals: &Totals) -> WrenchSum {
 }
 
 /// `wrench` scaled so that its force has length `length`.
-fn unit(wrench: &WrenchSum, length: f64) -> WrenchSum {
+fn scaled(wrench: &WrenchSum, length: f64) -> WrenchSum {
     let factor = length / wrench.force.length().max(f64::MIN_POSITIVE);
     WrenchSum { force: wrench.force * factor, torque: wrench.torque * factor }
 }
 
-/// How far the direction is the gradient's, 0 to 1, where `significance` is the length of a sum of area vectors over
-/// the sum of their lengths: 1 for a thin contact, 0 for a body wholly inside.
-pub(super) fn gradient_weight(significance: f64) -> f64 {
-    let x = (significance / SIGNIFICANT).clamp(0.0, 1.0);
+/// How far the direction is that of a volume gradient of length `gradient` (m²), 0 to 1.
+fn gradient_weight(gradient: f64, volume: f64) -> f64 {
+    let size = cube_root(volume).max(f64::MIN_POSITIVE.sqrt());
+    let x = (gradient / (size * size * SIGNIFICANT)).clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
 }

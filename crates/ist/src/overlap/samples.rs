@@ -3,9 +3,8 @@
 //! A solver needs a normal at every place of a contact, not one for the whole: a body in a V-groove is pushed by
 //! two walls. The line between two sphere centres is too noisy for that, so the volume gradients of all lenses that
 //! share a sphere with a lens are added up first; where they cancel, deep inside, the stored outward normals take
-//! over, with the same continuous transition as in [`super::ForceLaw::Blended`].
+//! over, continuously.
 
-use super::force_law::gradient_weight;
 use super::lens_lanes::LensLanes;
 use super::pairs::PairBuffer;
 use super::relative_pose::RelativePose;
@@ -27,6 +26,12 @@ pub struct ContactSample {
     /// Cross-section of the part (m²): how fast its volume falls when the solids separate.
     pub area: f32,
 }
+
+/// Length of a sum of area vectors over the sum of their lengths from which on the sum alone gives the normal.
+///
+/// With 0.3 the sum of all samples is 5.7 / 4.7 / 11.8° (shallow / mid / deep, medians, two rabbits of 1,000 spheres)
+/// off the exact volume gradient; single centre lines are 19 / 16 / 43° off.
+const SIGNIFICANT: f32 = 0.3;
 
 /// Overlapping pairs of spheres and what each sphere of either side sees of the overlap.
 #[derive(Clone, Debug, Default)]
@@ -83,7 +88,7 @@ impl Lenses {
             let (sum_a, sum_b) = (self.of_a[in_a], self.of_b[in_b]);
             let gradient = sum_a.gradient + sum_b.gradient;
             let area = (sum_a.area + sum_b.area).max(f32::MIN_POSITIVE);
-            let weight = gradient_weight(f64::from(gradient.length() / area)) as f32;
+            let weight = smooth_step(gradient.length() / (area * SIGNIFICANT));
             let outward = a.normals[in_a] - pose.rotation * b.normals[in_b];
             let blend = weight * gradient.normalize_or_zero() + (1.0 - weight) * outward.normalize_or_zero();
             ContactSample {
@@ -117,4 +122,9 @@ impl PairSink for Lenses {
             }
         }
     }
+}
+
+fn smooth_step(x: f32) -> f32 {
+    let x = x.clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
 }

@@ -24,8 +24,6 @@ pub(super) struct Totals {
     pub(super) volume: f64,
     /// Volume times centroid.
     pub(super) moment: DVec3,
-    /// Σ A over the intersection circles.
-    pub(super) area: f64,
     /// Σ A n with the centre-line normals n from A to B: minus the gradient of the volume.
     pub(super) gradient: WrenchSum,
     /// Σ V n with the stored outward normals of A's spheres.
@@ -64,14 +62,12 @@ impl<'a> TotalsSink<'a> {
 impl PairSink for TotalsSink<'_> {
     #[inline(always)]
     fn take<S: Simd>(&mut self, simd: S, pairs: &PairBuffer) {
-        let zero = f32x8::splat(simd, 0.0);
-        let (mut volume, mut area, mut moment) = (zero, zero, Lanes3::zero(simd));
+        let (mut volume, mut moment) = (f32x8::splat(simd, 0.0), Lanes3::zero(simd));
         let mut gradient = WrenchLanes::zero(simd);
         let (mut normals_a, mut normals_b) = (gradient, gradient);
         for first in (0..pairs.len()).step_by(WIDTH) {
             let lens = LensLanes::new(simd, pairs, first);
             volume += lens.volume;
-            area += lens.area;
             moment = moment.plus(lens.moment);
             gradient.add(lens.axis, lens.area, lens.center_a.scale(lens.area));
             let of_a = gather(simd, &self.a.normals, &pairs.a.index[first..first + WIDTH]);
@@ -83,7 +79,6 @@ impl PairSink for TotalsSink<'_> {
         let totals = &mut self.totals;
         totals.pairs += pairs.len() as u32;
         totals.volume += sum(volume);
-        totals.area += sum(area);
         totals.moment += moment.sum();
         gradient.add_to(&mut totals.gradient);
         normals_a.add_to(&mut totals.normals_a);

@@ -1,0 +1,160 @@
+//! Bodies of mixed shape and size dropped into a bowl.
+
+use super::{Model, ShapeKind};
+use crate::shapes;
+use anyhow::{Result, ensure};
+use glam::{Quat, Vec3};
+use packer::{Solid, TriangleMesh};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use rapier_ist::{IstPlugin, StepReport};
+use rapier3d::dynamics::{RigidBodyBuilder, RigidBodyHandle};
+use rapier3d::geometry::ColliderBuilder;
+use rapier3d::pipeline::PhysicsWorld;
+use rapier3d::prelude::TriMeshFlags;
+use std::path::{Path, PathBuf};
+
+/// Radius of the bowl's hollow (m).
+const BOWL_RADIUS: f64 = 1.3;
+/// Thickness of its wall (m): a body that falls from the top moves 0.13 m per step.
+const BOWL_WALL: f64 = 0.3;
+/// Height of its rim above its bottom (m).
+const BOWL_HEIGHT: f64 = 1.2;
+/// Smallest and largest longest side of a body (m).
+const SIZES: [f32; 2] = [0.28, 0.44];
+/// Density of all bodies (kg/m³).
+const DENSITY: f32 = 1000.0;
+
+/// What the pile is made of.
+#[derive(Clone, Debug)]
+pub struct PileOptions {
+    /// Number of bodies.
+    pub bodies: usize,
+    /// Seed of sizes, places and rotations.
+    pub seed: u64,
+    /// Spheres per body.
+    pub spheres: usize,
+    /// Meshes to use instead of the built-in ones.
+    pub meshes: Vec<PathBuf>,
+    /// What stands for the meshes in the simulation.
+    pub shape: ShapeKind,
+}
+
+impl Default for PileOptions {
+    fn default() -> Self {
+        Self { bodies: 40, seed: 1, spheres: 1000, meshes: Vec::new(), shape: ShapeKind::Ist }
+    }
+}
+
+/// One dropped body.
+#[derive(Clone, Copy, Debug)]
+pub struct PileBody {
+    /// In the world.
+    pub handle: RigidBodyHandle,
+    /// Index into [`Pile::models`].
+    pub model: usize,
+    /// Longest side (m).
+    pub size: f32,
+}
+
+/// The scene, ready to step at 60 Hz.
+pub struct Pile {
+    /// The Rapier world.
+    pub world: PhysicsWorld,
+    /// Steps it.
+    pub plugin: IstPlugin,
+    /// The different solids.
+    pub models: Vec<Model>,
+    /// The dropped bodies.
+    pub bodies: Vec<PileBody>,
+    /// The bowl, a fixed body.
+    pub bowl: RigidBodyHandle,
+    /// The bowl's exact solid.
+    pub bowl_solid: Solid,
+}
+
+impl Pile {
+    /// Packs the meshes and places the bodies above the bowl; `progress` is told what is being done.
+    ///
+    /// # Errors
+    /// Where a mesh cannot be loaded or packed.
+    pub fn new(options: &PileOptions, mut progress: impl FnMut(&str)) -> Result<Self> {
+        ensure!(options.spheres > 0, "zero spheres asked for; ask for at least one (--spheres)");
+        let mut models = Vec::new();
+        if options.meshes.is_empty() {
+            for (name, mesh) in built_in_meshes()? {
+                progress(&format!("packing {name}"));
+                models.push(Model::new(name, mesh, options.spheres, options.shape)?);
+            }
+        }
+        for path in &options.meshes {
+            progress(&format!("packing {}", path.display()));
+            models.push(Model::load(path, options.spheres, options.shape)?);
+        }
+        let mut world = PhysicsWorld::new();
+        let plugin = IstPlugin::install(&mut world);
+        let bowl_mesh = shapes::bowl(BOWL_RADIUS, BOWL_WALL, BOWL_HEIGHT, 96);
+        let bowl_solid = Solid::new(&bowl_mesh)?;
+        let vertices = bowl_solid.mesh().vertices.iter().map(|v| v.as_vec3()).collect();
+        let flags = TriMeshFlags::ORIENTED | TriMeshFlags::FIX_INTERNAL_EDGES;
+        let collider =
+            ColliderBuilder::trimesh_with_flags(vertices, bowl_solid.mesh().triangles.clone(), flags)?;
+        let (bowl, _) = world.insert(RigidBodyBuilder::fixed(), collider);
+        let mut pile = Self { world, plugin, models, bodies: Vec::new(), bowl, bowl_solid };
+        pile.drop_bodies(options)?;
+        Ok(pile)
+    }
+
+    /// Steps the world once.
+    pub fn step(&mut self) -> &StepReport {
+        self.plugin.step(&mut self.world)
+    }
+
+    /// Places bodies in layers of a ring around one, each with a free ball of space around it.
+    fn drop_bodies(&mut self, options: &PileOptions) -> Result<()> {
+        let mut random = Pcg64Mcg::seed_from_u64(options.seed);
+        let spacing = SIZES[1] * 3.0_f32.sqrt() * 0.85;
+        for index in 0..options.bodies {
+            let (layer, place) = (index / 7, index % 7);
+            let angle = (place as f32 + 0.5 * layer as f32) * std::f32::consts::TAU / 6.0;
+            let ring = if place == 6 { 0.0 } else { spacing };
+            let jitter = Vec3::from_array(std::array::from_fn(|_| random.random_range(-0.02..0.02)));
+            let height = 0.2 + layer as f32 * spacing;
+            let position = Vec3::new(ring * angle.cos(), height, ring * angle.sin()) + jitter;
+            let model = index % self.models.len();
+            let size = random.random_range(SIZES[0]..SIZES[1]);
+            let body = RigidBodyBuilder::dynamic()
+                .pose(glamx::Pose3::from_parts(position, rotation(&mut random)));
+            let (handle, _) = self.world.insert(body, self.models[model].collider(size, DENSITY)?);
+            self.bodies.push(PileBody { handle, model, size });
+        }
+        Ok(())
+    }
+}
+
+/// A rotation drawn uniformly, after K. Shoemake, *Uniform random rotations* (Graphics Gems III, 1992).
+fn rotation(random: &mut impl Rng) -> Quat {
+    let [u, v, w]: [f32; 3] = std::array::from_fn(|_| random.random_range(0.0..1.0));
+    let (v, w) = (v * std::f32::consts::TAU, w * std::f32::consts::TAU);
+    let (a, b) = ((1.0 - u).sqrt(), u.sqrt());
+    Quat::from_xyzw(a * v.sin(), a * v.cos(), b * w.sin(), b * w.cos())
+}
+
+/// A handful of the assets and generated shapes.
+fn built_in_meshes() -> Result<Vec<(&'static str, TriangleMesh)>> {
+    let asset = |name: &str| TriangleMesh::load(asset_folder().join(format!("{name}.obj")));
+    Ok(vec![
+        ("bunny", asset("bunny")?),
+        ("ring", shapes::ring(0.37, 0.13, [48, 24])),
+        ("spider_gear", asset("spider_gear")?),
+        ("cross", shapes::cross(0.5, 0.14)),
+        ("pelvis", asset("pelvis")?),
+        ("torus_knot", shapes::torus_knot(2, 3, [0.3, 0.13, 0.07], [160, 20])),
+    ])
+}
+
+/// The folder of the project's meshes.
+#[must_use]
+pub fn asset_folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets")
+}
