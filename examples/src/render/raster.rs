@@ -6,7 +6,7 @@
 use super::buffer::{Fragment, Grid, Sample};
 use super::camera::View;
 use super::scene::{Ball, CutPlane, PlacedMesh, Scene, Section};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -120,11 +120,14 @@ impl<S: Sample, V: View> Band<'_, S, V> {
         if columns.is_empty() || area == 0.0 {
             return;
         }
+        // Barycentric coordinates of b and c are linear: their value and slope along a row.
+        let (v_slope, w_slope) = (ac.y / area, -ab.y / area);
         for row in rows {
             let start = (row - self.rows.start) * self.width;
+            let offset = Vec2::new(0.5 - a.x, row as f32 + 0.5 - a.y);
+            let (v_start, w_start) = (offset.perp_dot(ac) / area, ab.perp_dot(offset) / area);
             for column in columns.clone() {
-                let offset = glam::Vec2::new(column as f32 + 0.5, row as f32 + 0.5) - a.truncate();
-                let (v, w) = (offset.perp_dot(ac) / area, ab.perp_dot(offset) / area);
+                let (v, w) = (v_start + v_slope * column as f32, w_start + w_slope * column as f32);
                 let u = 1.0 - v - w;
                 if u < 0.0 || v < 0.0 || w < 0.0 {
                     continue;

@@ -1,6 +1,6 @@
 //! From what is seen to light: the stages of a picture.
 
-use super::buffer::{Grid, Sample, Seen};
+use super::buffer::{Fragment, Grid, Sample, Seen};
 use super::camera::{Camera, Perspective, View};
 use super::occlusion::ambient;
 use super::raster::{draw, hit_plane};
@@ -9,18 +9,21 @@ use super::shadow::Shadow;
 use super::{Image, PictureSize};
 use glam::Vec3;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Samples per pixel along each side.
 const FACTOR: usize = 2;
+const PHASES: usize = FACTOR * FACTOR;
 /// Larger pictures would ask for gigabytes.
 const MAX_SIDE: u32 = 8192;
 
 // Light in linear units, white paper in full light at about 1.
-const KEY: Vec3 = Vec3::new(0.92, 0.87, 0.80);
+const KEY: Vec3 = Vec3::new(1.00, 0.95, 0.87);
 const SKY: Vec3 = Vec3::new(0.40, 0.44, 0.50);
 const FLOOR: Vec3 = Vec3::new(0.24, 0.22, 0.20);
-const SHINE: f32 = 0.10;
-const SHINE_EXPONENT: f32 = 40.0;
+const SHINE: f32 = 0.16;
+const SHINE_EXPONENT: i32 = 40;
+const EXPOSURE: f32 = 1.25;
 // Background, sRGB.
 const TOP: [f32; 3] = [0.80, 0.84, 0.89];
 const BOTTOM: [f32; 3] = [0.96, 0.96, 0.95];
@@ -42,10 +45,11 @@ pub(super) fn render(scene: &Scene, camera: &Camera, size: PictureSize) -> Image
         view,
         grid,
     };
+    let encoder = Encoder::new();
     let mut pixels = vec![[0; 3]; width * height];
     pixels.par_chunks_mut(width).enumerate().for_each(|(row, pixels)| {
         for (column, pixel) in pixels.iter_mut().enumerate() {
-            *pixel = srgb(studio.pixel(column, row));
+            *pixel = encoder.encode(studio.pixel(column, row));
         }
     });
     Image::new(width as u32, height as u32, pixels)
@@ -58,33 +62,30 @@ pub(super) fn render(scene: &Scene, camera: &Camera, size: PictureSize) -> Image
 fn complete(scene: &Scene, view: &Perspective, grid: &mut Grid<Seen>) {
     let width = grid.width;
     let capped = |seen: &Seen| {
-        let section = scene.surfaces.get(seen.surface as usize).map(|surface| surface.section);
-        seen.back && section == Some(Section::Capped)
+        seen.back && scene.surfaces.get(seen.surface as usize).is_some_and(|s| s.section == Section::Capped)
     };
-    let ground = scene.ground.map(|height| CutPlane { point: Vec3::Y * height, normal: Vec3::Y });
-    let place = |seen: &mut Seen, ray: (Vec3, Vec3), plane: &CutPlane, surface: u32| {
-        let t = hit_plane(ray, plane).filter(|&t| t > 0.0);
-        if let Some(nearness) = t.map(|t| view.nearness(t)).filter(|&n| n > seen.nearness) {
-            *seen = Seen::new(nearness, || super::buffer::Fragment {
-                normal: plane.normal,
-                surface,
-                back: false,
-            });
-        }
-    };
+    let nearness = |ray, plane| hit_plane(ray, &plane).filter(|&t| t > 0.0).map(|t| view.nearness(t));
     grid.samples.par_chunks_mut(width).enumerate().for_each(|(row, samples)| {
-        for (column, seen) in samples.iter_mut().enumerate() {
-            let ray = view.ray(column as f32 + 0.5, row as f32 + 0.5);
-            if let Some(plane) = scene.cut.as_ref().filter(|_| capped(seen)) {
-                let surface = seen.surface;
-                place(seen, ray, plane, surface);
+        if let Some(plane) = scene.cut {
+            for (column, seen) in samples.iter_mut().enumerate().filter(|(_, seen)| capped(seen)) {
+                if let Some(nearness) = nearness(view.ray(column as f32 + 0.5, row as f32 + 0.5), plane) {
+                    *seen = flat(nearness, plane.normal, seen.surface);
+                }
             }
-            // The ground is seen from above only.
-            if let Some(plane) = ground.as_ref().filter(|_| ray.1.y < 0.0) {
-                place(seen, ray, plane, Seen::GROUND);
-            }
+        }
+        // The camera stands upright: all rays of a row meet the ground at the same depth.
+        let ray = view.ray(0.5, row as f32 + 0.5);
+        let below = scene.ground.filter(|&height| ray.1.y < 0.0 && ray.0.y > height);
+        let ground = below.map(|height| CutPlane { point: Vec3::Y * height, normal: Vec3::Y });
+        if let Some(nearness) = ground.and_then(|plane| nearness(ray, plane)) {
+            let ground = flat(nearness, Vec3::Y, Seen::GROUND);
+            samples.iter_mut().filter(|seen| seen.nearness < nearness).for_each(|seen| *seen = ground);
         }
     });
+}
+
+fn flat(nearness: f32, normal: Vec3, surface: u32) -> Seen {
+    Seen::new(nearness, || Fragment { normal, surface, back: false })
 }
 
 /// Everything that decides the colour of a pixel.
@@ -99,48 +100,86 @@ struct Studio {
 }
 
 impl Studio {
-    /// Mean of the pixel's samples, linear.
+    /// Light of a pixel, linear: from its middle where all its samples see one smooth thing, else the mean.
     fn pixel(&self, column: usize, row: usize) -> Vec3 {
         let ambient = self.ambient[row * (self.grid.width / FACTOR) + column];
-        let mut sum = Vec3::ZERO;
-        for phase in 0..FACTOR * FACTOR {
-            let (x, y) = (column * FACTOR + phase % FACTOR, row * FACTOR + phase / FACTOR);
-            sum += self.sample(x, y, ambient, phase);
+        let (x, y) = (column * FACTOR, row * FACTOR);
+        let at = |phase: usize| (x + phase % FACTOR, y + phase / FACTOR);
+        let seen = |phase: usize| {
+            let (x, y) = at(phase);
+            &self.grid.samples[y * self.grid.width + x]
+        };
+        let first = seen(0);
+        if (1..PHASES).all(|phase| first.continues_in(seen(phase))) {
+            let middle = FACTOR as f32 / 2.0;
+            let nearness = (0..PHASES).map(|phase| seen(phase).nearness).sum::<f32>() / PHASES as f32;
+            let place = Place { column: x as f32 + middle, row: y as f32 + middle, nearness };
+            return self.sample(place, first, ambient, 0..PHASES);
         }
-        sum / (FACTOR * FACTOR) as f32
+        let sample = |phase: usize| {
+            let (x, y) = at(phase);
+            let seen = seen(phase);
+            let place = Place { column: x as f32 + 0.5, row: y as f32 + 0.5, nearness: seen.nearness };
+            self.sample(place, seen, ambient, phase..phase + 1)
+        };
+        (0..PHASES).map(sample).sum::<Vec3>() / PHASES as f32
     }
 
-    fn sample(&self, column: usize, row: usize, ambient: f32, phase: usize) -> Vec3 {
-        let seen = self.grid.samples[row * self.grid.width + column];
+    fn sample(&self, place: Place, seen: &Seen, ambient: f32, phases: Range<usize>) -> Vec3 {
         let [top, bottom] = self.background;
-        let background = top.lerp(bottom, row as f32 / self.grid.height as f32);
+        let background = top.lerp(bottom, place.row / self.grid.height as f32);
         if seen.surface == Seen::NOTHING {
             return background;
         }
-        let (x, y) = (column as f32 + 0.5, row as f32 + 0.5);
-        let (point, normal) = (self.view.point(x, y, seen.nearness), seen.normal());
+        let point = self.view.point(place.column, place.row, place.nearness);
+        let normal = seen.normal();
         let facing = normal.dot(self.towards_light);
-        let key = if facing > 0.0 { self.shadow.light(point, normal, phase) * facing } else { 0.0 };
+        let key = if facing > 0.0 { self.shadow.light(point, normal, phases) * facing } else { 0.0 };
         let sky = SKY.lerp(FLOOR, 0.5 - 0.5 * normal.y) * ambient;
         if seen.surface == Seen::GROUND {
             // The ground is the background where light reaches it, so that it has no horizon.
-            let full = KEY * facing + SKY;
-            return background * (KEY * key + sky) / full;
+            return background * (KEY * key + sky) / (KEY * facing + SKY);
         }
-        let (_, direction) = self.view.ray(x, y);
+        let (_, direction) = self.view.ray(place.column, place.row);
         let half = (self.towards_light - direction.normalize()).normalize_or_zero();
-        let shine = SHINE * normal.dot(half).max(0.0).powf(SHINE_EXPONENT) * key;
-        self.colors[seen.surface as usize] * (KEY * key + sky) + KEY * shine
+        let shine = SHINE * normal.dot(half).max(0.0).powi(SHINE_EXPONENT) * key;
+        expose(self.colors[seen.surface as usize] * (KEY * key + sky) + KEY * shine)
     }
+}
+
+/// A place on the grid, and how near what it shows is.
+struct Place {
+    column: f32,
+    row: f32,
+    nearness: f32,
+}
+
+/// The response of film: bright colours grow paler instead of clipping to pure ones.
+fn expose(light: Vec3) -> Vec3 {
+    Vec3::ONE - (light * -EXPOSURE).exp()
 }
 
 fn linear(srgb: [f32; 3]) -> Vec3 {
     Vec3::from(srgb.map(|c| if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }))
 }
 
-fn srgb(linear: Vec3) -> [u8; 3] {
-    let encode = |c: f32| if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
-    linear.to_array().map(|c| (encode(c.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8)
+/// Linear light as 8-bit sRGB, by table: a power for each channel would take as long as the rest of the shading.
+struct Encoder(Vec<u8>);
+
+impl Encoder {
+    /// Fine enough that every one of the 256 values keeps entries of its own, also the darkest.
+    const ENTRIES: usize = 1 << 14;
+
+    fn new() -> Self {
+        let encode = |c: f32| if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
+        let entry = |index| encode(index as f32 / (Self::ENTRIES - 1) as f32);
+        Self((0..Self::ENTRIES).map(|index| (entry(index) * 255.0 + 0.5) as u8).collect())
+    }
+
+    fn encode(&self, linear: Vec3) -> [u8; 3] {
+        let last = (Self::ENTRIES - 1) as f32;
+        linear.to_array().map(|c| self.0[(c.clamp(0.0, 1.0) * last + 0.5) as usize])
+    }
 }
 
 #[cfg(test)]
@@ -149,9 +188,10 @@ mod tests {
 
     #[test]
     fn srgb_and_back() {
+        let encoder = Encoder::new();
         for value in 0..=255_u8 {
             let channel = f32::from(value) / 255.0;
-            assert_eq!(srgb(linear([channel; 3])), [value; 3]);
+            assert_eq!(encoder.encode(linear([channel; 3])), [value; 3]);
         }
     }
 }

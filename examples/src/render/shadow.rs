@@ -5,6 +5,7 @@ use super::camera::{Parallel, View};
 use super::raster::draw;
 use super::scene::Scene;
 use glam::{Vec2, Vec3};
+use std::ops::Range;
 
 /// Samples along each side of the map: at 2048 the edges of shadows stay clean in a 720-line picture.
 const SIZE: usize = 2048;
@@ -45,16 +46,28 @@ impl Shadow {
         Self { pattern, lift: 0.6 * reach, view, map }
     }
 
-    /// Share of the key light that reaches a point with normal `normal`, 0 to 1.
-    pub(super) fn light(&self, point: Vec3, normal: Vec3, phase: usize) -> f32 {
+    /// Share of the key light that reaches a point with normal `normal`, 0 to 1, from the look-ups of some phases.
+    pub(super) fn light(&self, point: Vec3, normal: Vec3, phases: Range<usize>) -> f32 {
         let Some(place) = self.view.project(point + normal * self.lift) else { return 1.0 };
-        let lit = self.pattern[phase % PHASES].iter().filter(|offset| {
-            let (column, row) = (place.x + offset.x, place.y + offset.y);
-            if column < 0.0 || row < 0.0 || column >= SIZE as f32 || row >= SIZE as f32 {
-                return true;
+        let (mut lit, mut looked) = (0, 0);
+        for pattern in &self.pattern[phases] {
+            lit += pattern.iter().filter(|&&offset| self.reaches(place, offset)).count();
+            looked += TAPS;
+            // Each phase covers the whole disc. One that finds all lit or all dark need not be refined, and most
+            // do.
+            if lit == 0 || lit == looked {
+                break;
             }
-            self.map.samples[row as usize * SIZE + column as usize] <= place.z + self.lift
-        });
-        lit.count() as f32 / TAPS as f32
+        }
+        lit as f32 / looked.max(1) as f32
+    }
+
+    /// Whether light passes beside a place of the map.
+    fn reaches(&self, place: Vec3, offset: Vec2) -> bool {
+        let (column, row) = (place.x + offset.x, place.y + offset.y);
+        if column < 0.0 || row < 0.0 || column >= SIZE as f32 || row >= SIZE as f32 {
+            return true;
+        }
+        self.map.samples[row as usize * SIZE + column as usize] <= place.z + self.lift
     }
 }
