@@ -21,7 +21,7 @@ fn shapes_picture(path: &std::path::Path) -> Result<(), ImageError> {
     let bowl = Mesh::new(&shapes::bowl(1.0, 0.08, 0.9, 160));
     let at = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
     let things: [(TriangleMesh, Vec3, Vec3); 9] = [
-        (shapes::ring(0.3, 0.1, [96, 48]), at(-0.1, -0.72, 0.3), at(0.35, 0.0, 0.1)),
+        (shapes::ring(0.3, 0.1, [96, 48]), at(-0.02, -0.5, 0.22), at(0.45, 0.0, 0.1)),
         (shapes::hexagonal_nut(0.6, 0.16, 0.3, 0.03, 96), at(0.48, -0.42, 0.0), at(0.3, 0.3, 0.9)),
         (shapes::torus_knot(2, 3, [0.28, 0.12, 0.06], [384, 32]), at(0.05, -0.42, -0.45), at(0.9, 0.0, 0.0)),
         (shapes::cross(0.36, 0.09), at(-0.4, -0.25, -0.1), at(0.6, 0.4, 0.2)),

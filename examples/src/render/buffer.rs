@@ -1,6 +1,6 @@
 //! Grids of samples: what is seen at each place.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
 /// A grid, rows from top to bottom.
@@ -16,6 +16,15 @@ impl<S: Sample> Grid<S> {
         let samples = rayon::iter::repeat_n(S::EMPTY, width * height).collect();
         Self { width, height, samples }
     }
+}
+
+/// Where in the grid a sample is taken.
+///
+/// Not in the middle of its cell: in each block of 2 × 2 cells the four places have four columns and four rows of
+/// their own (a rotated grid), so that edges along the axes get five shades instead of three.
+pub(super) fn place(column: usize, row: usize) -> Vec2 {
+    let shift = Vec2::new([0.75, 0.25][row % 2], [0.25, 0.75][column % 2]);
+    Vec2::new(column as f32, row as f32) + shift
 }
 
 /// What a grid keeps of the nearest thing at a place.
@@ -68,6 +77,11 @@ impl Seen {
 
     pub(super) fn normal(&self) -> Vec3 {
         Vec3::from(self.normal.map(|component| f32::from(component) / NORMAL_SCALE))
+    }
+
+    /// The same piece of surface, nearer or farther.
+    pub(super) fn at(self, nearness: f32) -> Self {
+        Self { nearness, ..self }
     }
 
     /// Whether `other`, next to it, belongs to the same smooth piece of surface.

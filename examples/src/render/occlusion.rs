@@ -4,7 +4,7 @@
 //! it by how much they rise over its tangent plane, less so the farther away they are. Departures: no depth
 //! pyramid, since the scenes are small, and a plain depth-aware box as the filter.
 
-use super::buffer::{Grid, Seen};
+use super::buffer::{Grid, Seen, place};
 use super::camera::Perspective;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -87,8 +87,8 @@ impl<'a> Pixels<'a> {
     /// The point that a pixel shows, if any.
     fn point(&self, column: usize, row: usize) -> Option<Vec3> {
         let nearness = self.nearness[row * self.width + column];
-        let middle = |index: usize| (index * self.factor) as f32 + 0.5;
-        (nearness > 0.0).then(|| self.view.point(middle(column), middle(row), nearness))
+        let place = place(column * self.factor, row * self.factor);
+        (nearness > 0.0).then(|| self.view.point(place, nearness))
     }
 
     fn visibility(&self, column: usize, row: usize) -> f32 {

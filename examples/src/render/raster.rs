@@ -3,7 +3,7 @@
 //! Triangles are filled by barycentric coordinates; balls are intersected with the ray of each sample, so that
 //! their outlines, depths and normals are exact.
 
-use super::buffer::{Fragment, Grid, Sample};
+use super::buffer::{Fragment, Grid, Sample, place};
 use super::camera::View;
 use super::scene::{Ball, CutPlane, PlacedMesh, Scene, Section};
 use glam::{Vec2, Vec3};
@@ -12,6 +12,9 @@ use std::ops::Range;
 
 /// Rows that a thread draws at a time: enough bands to share, few enough that each may look at every triangle.
 const BAND: usize = 64;
+
+/// How far triangles reach over their edges, in barycentric coordinates: rounding must not tear seams open.
+const SEAM: f32 = 1e-5;
 
 /// Draws everything but the ground.
 pub(super) fn draw<V: View, S: Sample>(scene: &Scene, view: &V, grid: &mut Grid<S>) {
@@ -120,16 +123,16 @@ impl<S: Sample, V: View> Band<'_, S, V> {
         if columns.is_empty() || area == 0.0 {
             return;
         }
-        // Barycentric coordinates of b and c are linear: their value and slope along a row.
-        let (v_slope, w_slope) = (ac.y / area, -ab.y / area);
+        // Barycentric coordinates of b and c: linear functions on the grid.
+        let v_slope = Vec2::new(ac.y, -ac.x) / area;
+        let w_slope = Vec2::new(-ab.y, ab.x) / area;
         for row in rows {
             let start = (row - self.rows.start) * self.width;
-            let offset = Vec2::new(0.5 - a.x, row as f32 + 0.5 - a.y);
-            let (v_start, w_start) = (offset.perp_dot(ac) / area, ab.perp_dot(offset) / area);
             for column in columns.clone() {
-                let (v, w) = (v_start + v_slope * column as f32, w_start + w_slope * column as f32);
+                let offset = place(column, row) - a.truncate();
+                let (v, w) = (offset.dot(v_slope), offset.dot(w_slope));
                 let u = 1.0 - v - w;
-                if u < 0.0 || v < 0.0 || w < 0.0 {
+                if u.min(v).min(w) < -SEAM {
                     continue;
                 }
                 let nearness = a.z * u + b.z * v + c.z * w;
@@ -155,7 +158,7 @@ impl<S: Sample, V: View> Band<'_, S, V> {
         for row in rows {
             let start = (row - self.rows.start) * self.width;
             for column in columns.clone() {
-                let ray = self.view.ray(column as f32 + 0.5, row as f32 + 0.5);
+                let ray = self.view.ray(place(column, row));
                 let Some((t, normal)) = hit_ball(ray, projected) else { continue };
                 let nearness = self.view.nearness(t);
                 let sample = &mut self.samples[start + column];
@@ -198,10 +201,10 @@ pub(super) fn hit_plane((origin, direction): (Vec3, Vec3), plane: &CutPlane) -> 
     (approach != 0.0).then(|| -plane.beyond(origin) / approach)
 }
 
-/// The samples of `range` whose middles lie between `low` and `high`.
+/// The cells of `range` that the stretch from `low` to `high` touches.
 fn covered(low: f32, high: f32, range: Range<usize>) -> Range<usize> {
-    let first = (low - 0.5).ceil().max(range.start as f32);
-    let end = ((high - 0.5).floor() + 1.0).min(range.end as f32);
+    let first = low.floor().max(range.start as f32);
+    let end = (high.floor() + 1.0).min(range.end as f32);
     // A bound that is not a number gives an empty range, too.
     if first < end { first as usize..end as usize } else { range.start..range.start }
 }

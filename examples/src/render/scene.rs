@@ -45,7 +45,8 @@ pub enum Section {
     /// What lies beyond the plane is taken away and the inside shows. Balls go wholly or stay wholly, by their
     /// centre.
     Hollow,
-    /// What lies beyond the plane is taken away and the cut face closed, as through solid material.
+    /// What lies beyond the plane is taken away and the cut face closed, as through solid material. Whatever lies
+    /// inside the material would show through.
     Capped,
 }
 

@@ -1,19 +1,17 @@
 //! From what is seen to light: the stages of a picture.
 
-use super::buffer::{Fragment, Grid, Sample, Seen};
+use super::buffer::{Fragment, Grid, Sample, Seen, place};
 use super::camera::{Camera, Perspective, View};
 use super::occlusion::ambient;
 use super::raster::{draw, hit_plane};
 use super::scene::{CutPlane, Scene, Section};
 use super::shadow::Shadow;
 use super::{Image, PictureSize};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// Samples per pixel along each side.
 const FACTOR: usize = 2;
-const PHASES: usize = FACTOR * FACTOR;
 /// Larger pictures would ask for gigabytes.
 const MAX_SIDE: u32 = 8192;
 
@@ -23,7 +21,7 @@ const SKY: Vec3 = Vec3::new(0.40, 0.44, 0.50);
 const FLOOR: Vec3 = Vec3::new(0.24, 0.22, 0.20);
 const SHINE: f32 = 0.16;
 const SHINE_EXPONENT: i32 = 40;
-const EXPOSURE: f32 = 1.25;
+const EXPOSURE: f32 = 1.6;
 // Background, sRGB.
 const TOP: [f32; 3] = [0.80, 0.84, 0.89];
 const BOTTOM: [f32; 3] = [0.96, 0.96, 0.95];
@@ -68,18 +66,22 @@ fn complete(scene: &Scene, view: &Perspective, grid: &mut Grid<Seen>) {
     grid.samples.par_chunks_mut(width).enumerate().for_each(|(row, samples)| {
         if let Some(plane) = scene.cut {
             for (column, seen) in samples.iter_mut().enumerate().filter(|(_, seen)| capped(seen)) {
-                if let Some(nearness) = nearness(view.ray(column as f32 + 0.5, row as f32 + 0.5), plane) {
+                if let Some(nearness) = nearness(view.ray(place(column, row)), plane) {
                     *seen = flat(nearness, plane.normal, seen.surface);
                 }
             }
         }
-        // The camera stands upright: all rays of a row meet the ground at the same depth.
-        let ray = view.ray(0.5, row as f32 + 0.5);
-        let below = scene.ground.filter(|&height| ray.1.y < 0.0 && ray.0.y > height);
-        let ground = below.map(|height| CutPlane { point: Vec3::Y * height, normal: Vec3::Y });
-        if let Some(nearness) = ground.and_then(|plane| nearness(ray, plane)) {
-            let ground = flat(nearness, Vec3::Y, Seen::GROUND);
-            samples.iter_mut().filter(|seen| seen.nearness < nearness).for_each(|seen| *seen = ground);
+        // The camera stands upright: rays of one height meet the ground at one depth, and a row has two heights.
+        for first in 0..2 {
+            let ray = view.ray(place(first, row));
+            let below = scene.ground.filter(|&height| ray.1.y < 0.0 && ray.0.y > height);
+            let ground = below.map(|height| CutPlane { point: Vec3::Y * height, normal: Vec3::Y });
+            if let Some(nearness) = ground.and_then(|plane| nearness(ray, plane)) {
+                let ground = flat(nearness, Vec3::Y, Seen::GROUND);
+                let beyond =
+                    samples.iter_mut().skip(first).step_by(2).filter(|seen| seen.nearness < nearness);
+                beyond.for_each(|seen| *seen = ground);
+            }
         }
     });
 }
@@ -103,60 +105,48 @@ impl Studio {
     /// Light of a pixel, linear: from its middle where all its samples see one smooth thing, else the mean.
     fn pixel(&self, column: usize, row: usize) -> Vec3 {
         let ambient = self.ambient[row * (self.grid.width / FACTOR) + column];
-        let (x, y) = (column * FACTOR, row * FACTOR);
-        let at = |phase: usize| (x + phase % FACTOR, y + phase / FACTOR);
-        let seen = |phase: usize| {
-            let (x, y) = at(phase);
-            &self.grid.samples[y * self.grid.width + x]
-        };
-        let first = seen(0);
-        if (1..PHASES).all(|phase| first.continues_in(seen(phase))) {
-            let middle = FACTOR as f32 / 2.0;
-            let nearness = (0..PHASES).map(|phase| seen(phase).nearness).sum::<f32>() / PHASES as f32;
-            let place = Place { column: x as f32 + middle, row: y as f32 + middle, nearness };
-            return self.sample(place, first, ambient, 0..PHASES);
+        let cells = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| (column * FACTOR + x, row * FACTOR + y));
+        let samples = cells.map(|(x, y)| (place(x, y), self.grid.samples[y * self.grid.width + x]));
+        let mean = samples.len() as f32;
+        let (_, first) = samples[0];
+        if samples.iter().all(|(_, seen)| first.continues_in(seen)) {
+            let place = samples.iter().map(|(place, _)| place).sum::<Vec2>() / mean;
+            let nearness = samples.iter().map(|(_, seen)| seen.nearness).sum::<f32>() / mean;
+            return self.light(place, &first.at(nearness), ambient);
         }
-        let sample = |phase: usize| {
-            let (x, y) = at(phase);
-            let seen = seen(phase);
-            let place = Place { column: x as f32 + 0.5, row: y as f32 + 0.5, nearness: seen.nearness };
-            self.sample(place, seen, ambient, phase..phase + 1)
-        };
-        (0..PHASES).map(sample).sum::<Vec3>() / PHASES as f32
+        samples.iter().map(|(place, seen)| self.light(*place, seen, ambient)).sum::<Vec3>() / mean
     }
 
-    fn sample(&self, place: Place, seen: &Seen, ambient: f32, phases: Range<usize>) -> Vec3 {
+    /// Light from what is seen at a place.
+    fn light(&self, place: Vec2, seen: &Seen, ambient: f32) -> Vec3 {
         let [top, bottom] = self.background;
-        let background = top.lerp(bottom, place.row / self.grid.height as f32);
+        let background = top.lerp(bottom, place.y / self.grid.height as f32);
         if seen.surface == Seen::NOTHING {
             return background;
         }
-        let point = self.view.point(place.column, place.row, place.nearness);
+        let point = self.view.point(place, seen.nearness);
         let normal = seen.normal();
         let facing = normal.dot(self.towards_light);
-        let key = if facing > 0.0 { self.shadow.light(point, normal, phases) * facing } else { 0.0 };
+        let key = if facing > 0.0 { self.shadow.light(point, normal) * facing } else { 0.0 };
         let sky = SKY.lerp(FLOOR, 0.5 - 0.5 * normal.y) * ambient;
         if seen.surface == Seen::GROUND {
             // The ground is the background where light reaches it, so that it has no horizon.
             return background * (KEY * key + sky) / (KEY * facing + SKY);
         }
-        let (_, direction) = self.view.ray(place.column, place.row);
+        let (_, direction) = self.view.ray(place);
         let half = (self.towards_light - direction.normalize()).normalize_or_zero();
         let shine = SHINE * normal.dot(half).max(0.0).powi(SHINE_EXPONENT) * key;
         expose(self.colors[seen.surface as usize] * (KEY * key + sky) + KEY * shine)
     }
 }
 
-/// A place on the grid, and how near what it shows is.
-struct Place {
-    column: f32,
-    row: f32,
-    nearness: f32,
-}
-
-/// The response of film: bright colours grow paler instead of clipping to pure ones.
+/// The response of film: bright light saturates gently, and colours grow a little paler with it.
 fn expose(light: Vec3) -> Vec3 {
-    Vec3::ONE - (light * -EXPOSURE).exp()
+    let respond = |light: Vec3| Vec3::ONE - (light * -EXPOSURE).exp();
+    // Each channel by itself turns orange into yellow; all by the brightest one looks like plastic. Half and half.
+    let brightest = light.max_element().max(1e-6);
+    let same_hue = light * (respond(Vec3::splat(brightest)).x / brightest);
+    same_hue.midpoint(respond(light))
 }
 
 fn linear(srgb: [f32; 3]) -> Vec3 {

@@ -5,16 +5,15 @@ use super::camera::{Parallel, View};
 use super::raster::draw;
 use super::scene::Scene;
 use glam::{Vec2, Vec3};
-use std::ops::Range;
 
 /// Samples along each side of the map: at 2048 the edges of shadows stay clean in a 720-line picture.
 const SIZE: usize = 2048;
 /// Radius of the half-shadow at an edge, relative to the radius of the scene.
 const SOFTNESS: f32 = 0.012;
-/// Look-ups per point; with four points a pixel, 32 levels.
-const TAPS: usize = 8;
-/// Points per pixel, which share one pattern.
-const PHASES: usize = 4;
+/// Look-ups per point: levels of the half-shadow.
+const TAPS: usize = 32;
+/// Outermost look-ups, which come first: where they agree, the others would.
+const RIM: usize = 8;
 /// The golden angle (rad), which spreads points evenly over a disc (Vogel 1979).
 const GOLDEN_ANGLE: f32 = 2.399_963;
 
@@ -23,7 +22,7 @@ pub(super) struct Shadow {
     view: Parallel,
     map: Grid<f32>,
     /// Pattern of the look-ups in samples of the map.
-    pattern: [[Vec2; TAPS]; PHASES],
+    pattern: [Vec2; TAPS],
     /// How far points are lifted off their surface before they are looked up (m).
     lift: f32,
 }
@@ -36,30 +35,24 @@ impl Shadow {
         let mut map = Grid::new(SIZE, SIZE);
         draw(scene, &view, &mut map);
         let reach = SOFTNESS * radius;
-        let pattern = std::array::from_fn(|phase| {
-            std::array::from_fn(|tap| {
-                let index = (PHASES * tap + phase) as f32;
-                let distance = ((index + 0.5) / (PHASES * TAPS) as f32).sqrt() * reach * view.scale();
-                Vec2::from_angle(GOLDEN_ANGLE * index) * distance
-            })
+        let pattern = std::array::from_fn(|tap| {
+            let index = (TAPS - 1 - tap) as f32;
+            let distance = ((index + 0.5) / TAPS as f32).sqrt() * reach * view.scale();
+            Vec2::from_angle(GOLDEN_ANGLE * index) * distance
         });
         Self { pattern, lift: 0.6 * reach, view, map }
     }
 
-    /// Share of the key light that reaches a point with normal `normal`, 0 to 1, from the look-ups of some phases.
-    pub(super) fn light(&self, point: Vec3, normal: Vec3, phases: Range<usize>) -> f32 {
+    /// Share of the key light that reaches a point with normal `normal`, 0 to 1.
+    pub(super) fn light(&self, point: Vec3, normal: Vec3) -> f32 {
         let Some(place) = self.view.project(point + normal * self.lift) else { return 1.0 };
-        let (mut lit, mut looked) = (0, 0);
-        for pattern in &self.pattern[phases] {
-            lit += pattern.iter().filter(|&&offset| self.reaches(place, offset)).count();
-            looked += TAPS;
-            // Each phase covers the whole disc. One that finds all lit or all dark need not be refined, and most
-            // do.
-            if lit == 0 || lit == looked {
-                break;
-            }
+        let lit = |taps: &[Vec2]| taps.iter().filter(|&&offset| self.reaches(place, offset)).count();
+        let (rim, inside) = self.pattern.split_at(RIM);
+        match lit(rim) {
+            0 => 0.0,
+            RIM => 1.0,
+            some => (some + lit(inside)) as f32 / TAPS as f32,
         }
-        lit as f32 / looked.max(1) as f32
     }
 
     /// Whether light passes beside a place of the map.
