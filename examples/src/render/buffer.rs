@@ -79,11 +79,6 @@ impl Seen {
         Vec3::from(self.normal.map(|component| f32::from(component) / NORMAL_SCALE))
     }
 
-    /// The same piece of surface, nearer or farther.
-    pub(super) fn at(self, nearness: f32) -> Self {
-        Self { nearness, ..self }
-    }
-
     /// Whether `other`, next to it, belongs to the same smooth piece of surface.
     pub(super) fn continues_in(&self, other: &Self) -> bool {
         let bent = |k: usize| (i32::from(self.normal[k]) - i32::from(other.normal[k])).abs() > MAX_BEND;

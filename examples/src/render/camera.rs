@@ -54,6 +54,11 @@ impl Camera {
         (point - self.eye).dot(self.forward)
     }
 
+    /// Unit vector along the rows of the picture.
+    pub(super) fn right(&self) -> Vec3 {
+        self.right
+    }
+
     /// Unit vector towards a light high behind the photographer's left shoulder.
     pub(super) fn over_left_shoulder(&self) -> Vec3 {
         let behind = self.right.cross(Vec3::Y).normalize_or(Vec3::Z);
@@ -197,9 +202,11 @@ pub(super) struct Parallel {
 }
 
 impl Parallel {
-    /// A view along `forward` with the ball of `radius` around `center` inside its `size` × `size` samples.
-    pub(super) fn new(center: Vec3, radius: f32, forward: Vec3, size: usize) -> Self {
-        let right = forward.any_orthonormal_vector();
+    /// A view along `forward` with the ball of `radius` around `center` inside its `size` × `size` samples, and
+    /// `across` along its rows as far as possible.
+    pub(super) fn new((center, radius): (Vec3, f32), forward: Vec3, across: Vec3, size: usize) -> Self {
+        let level = across.reject_from_normalized(forward).try_normalize();
+        let right = level.unwrap_or_else(|| forward.any_orthonormal_vector());
         let middle = size as f32 / 2.0;
         Self { center, right, up: right.cross(forward), forward, scale: middle / radius, middle }
     }
@@ -265,7 +272,7 @@ mod tests {
     fn rays_lead_back_to_the_projected_point() {
         let camera = Camera::new(Vec3::new(4.0, 3.0, 8.0), Vec3::ZERO);
         let perspective = Perspective::new(camera, 640, 480);
-        let parallel = Parallel::new(Vec3::ONE, 5.0, Vec3::new(-1.0, -2.0, -0.5).normalize(), 256);
+        let parallel = Parallel::new((Vec3::ONE, 5.0), Vec3::new(-1.0, -2.0, -0.5).normalize(), Vec3::X, 256);
         for point in CORNERS {
             let seen = perspective.project(point).unwrap();
             assert!(perspective.point(seen.truncate(), seen.z).distance(point) < 1e-4);

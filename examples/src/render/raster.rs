@@ -18,11 +18,11 @@ const SEAM: f32 = 1e-5;
 
 /// Draws everything but the ground.
 pub(super) fn draw<V: View, S: Sample>(scene: &Scene, view: &V, grid: &mut Grid<S>) {
+    let (width, size) = (grid.width, (grid.width, grid.height));
     let meshes: Vec<Vec<Triangle>> =
-        scene.meshes.par_iter().map(|placed| project_mesh(scene, view, placed)).collect();
+        scene.meshes.par_iter().map(|placed| project_mesh(scene, view, size, placed)).collect();
     let balls: Vec<ProjectedBall> =
-        scene.balls.iter().filter_map(|ball| project_ball(scene, view, ball)).collect();
-    let width = grid.width;
+        scene.balls.iter().filter_map(|ball| project_ball(scene, view, size, ball)).collect();
     grid.samples.par_chunks_mut(width.max(1) * BAND).enumerate().for_each(|(index, samples)| {
         let first = index * BAND;
         let rows = first..first + samples.len() / width;
@@ -38,6 +38,7 @@ pub(super) fn draw<V: View, S: Sample>(scene: &Scene, view: &V, grid: &mut Grid<
 
 /// A triangle on the grid.
 struct Triangle {
+    cells: Cells,
     /// Column, row and nearness of the corners.
     corners: [Vec3; 3],
     /// Weighted normals of the corners, towards the viewer.
@@ -50,13 +51,17 @@ struct Triangle {
 
 /// A ball with the part of the grid that it can cover.
 struct ProjectedBall {
+    cells: Cells,
     ball: Ball,
-    columns: [f32; 2],
-    rows: [f32; 2],
     cut: Option<CutPlane>,
 }
 
-fn project_mesh<V: View>(scene: &Scene, view: &V, placed: &PlacedMesh) -> Vec<Triangle> {
+fn project_mesh<V: View>(
+    scene: &Scene,
+    view: &V,
+    size: (usize, usize),
+    placed: &PlacedMesh,
+) -> Vec<Triangle> {
     let PlacedMesh { mesh, pose, surface } = *placed;
     let cut = scene.cut.filter(|_| scene.surfaces[surface as usize].section != Section::Whole);
     let world: Vec<Vec3> = mesh.positions.iter().map(|&p| pose.transform_point(p)).collect();
@@ -69,6 +74,8 @@ fn project_mesh<V: View>(scene: &Scene, view: &V, placed: &PlacedMesh) -> Vec<Tr
         if back && cut.is_none() {
             continue;
         }
+        let (lower, upper) = (a.min(b).min(c).truncate(), a.max(b).max(c).truncate());
+        let Some(cells) = Cells::new(lower, upper, size) else { continue };
         let corners = [a, b, c];
         let weights = corners.map(|corner| view.weight(corner.z));
         let side = if back { -1.0 } else { 1.0 };
@@ -76,6 +83,7 @@ fn project_mesh<V: View>(scene: &Scene, view: &V, placed: &PlacedMesh) -> Vec<Tr
         let beyond =
             |k: usize| cut.map_or(-1.0, |plane| plane.beyond(world[vertices[k] as usize]) * weights[k]);
         triangles.push(Triangle {
+            cells,
             corners,
             normals: [0, 1, 2].map(normal),
             beyond: [0, 1, 2].map(beyond),
@@ -86,7 +94,12 @@ fn project_mesh<V: View>(scene: &Scene, view: &V, placed: &PlacedMesh) -> Vec<Tr
     triangles
 }
 
-fn project_ball<V: View>(scene: &Scene, view: &V, ball: &Ball) -> Option<ProjectedBall> {
+fn project_ball<V: View>(
+    scene: &Scene,
+    view: &V,
+    size: (usize, usize),
+    ball: &Ball,
+) -> Option<ProjectedBall> {
     let section = scene.surfaces[ball.surface as usize].section;
     let cut = scene.cut.filter(|_| section == Section::Capped);
     let gone = |plane: &CutPlane| match section {
@@ -98,7 +111,8 @@ fn project_ball<V: View>(scene: &Scene, view: &V, ball: &Ball) -> Option<Project
         return None;
     }
     let [left, right, top, bottom] = view.ball_bounds(ball.center, ball.radius)?;
-    Some(ProjectedBall { ball: *ball, columns: [left, right], rows: [top, bottom], cut })
+    let cells = Cells::new(Vec2::new(left, top), Vec2::new(right, bottom), size)?;
+    Some(ProjectedBall { cells, ball: *ball, cut })
 }
 
 /// Some rows of the grid.
@@ -111,16 +125,11 @@ struct Band<'a, S, V> {
 
 impl<S: Sample, V: View> Band<'_, S, V> {
     fn fill_triangle(&mut self, triangle: &Triangle) {
+        let rows = triangle.cells.rows_in(&self.rows);
         let [a, b, c] = triangle.corners;
-        let (lower, upper) = (a.min(b).min(c), a.max(b).max(c));
-        let rows = covered(lower.y, upper.y, self.rows.clone());
-        if rows.is_empty() {
-            return;
-        }
-        let columns = covered(lower.x, upper.x, 0..self.width);
         let (ab, ac) = ((b - a).truncate(), (c - a).truncate());
         let area = ab.perp_dot(ac);
-        if columns.is_empty() || area == 0.0 {
+        if rows.is_empty() || area == 0.0 {
             return;
         }
         // Barycentric coordinates of b and c: linear functions on the grid.
@@ -128,11 +137,11 @@ impl<S: Sample, V: View> Band<'_, S, V> {
         let w_slope = Vec2::new(-ab.y, ab.x) / area;
         for row in rows {
             let start = (row - self.rows.start) * self.width;
-            for column in columns.clone() {
+            for column in triangle.cells.columns.clone() {
                 let offset = place(column, row) - a.truncate();
                 let (v, w) = (offset.dot(v_slope), offset.dot(w_slope));
                 let u = 1.0 - v - w;
-                if u.min(v).min(w) < -SEAM {
+                if u < -SEAM || v < -SEAM || w < -SEAM {
                     continue;
                 }
                 let nearness = a.z * u + b.z * v + c.z * w;
@@ -151,13 +160,9 @@ impl<S: Sample, V: View> Band<'_, S, V> {
     }
 
     fn fill_ball(&mut self, projected: &ProjectedBall) {
-        let [top, bottom] = projected.rows;
-        let rows = covered(top, bottom, self.rows.clone());
-        let [left, right] = projected.columns;
-        let columns = covered(left, right, 0..self.width);
-        for row in rows {
+        for row in projected.cells.rows_in(&self.rows) {
             let start = (row - self.rows.start) * self.width;
-            for column in columns.clone() {
+            for column in projected.cells.columns.clone() {
                 let ray = self.view.ray(place(column, row));
                 let Some((t, normal)) = hit_ball(ray, projected) else { continue };
                 let nearness = self.view.nearness(t);
@@ -201,10 +206,25 @@ pub(super) fn hit_plane((origin, direction): (Vec3, Vec3), plane: &CutPlane) -> 
     (approach != 0.0).then(|| -plane.beyond(origin) / approach)
 }
 
-/// The cells of `range` that the stretch from `low` to `high` touches.
-fn covered(low: f32, high: f32, range: Range<usize>) -> Range<usize> {
-    let first = low.floor().max(range.start as f32);
-    let end = (high.floor() + 1.0).min(range.end as f32);
-    // A bound that is not a number gives an empty range, too.
-    if first < end { first as usize..end as usize } else { range.start..range.start }
+/// Cells of the grid that something can touch.
+#[derive(Clone)]
+struct Cells {
+    columns: Range<usize>,
+    rows: Range<usize>,
+}
+
+impl Cells {
+    /// The cells between two corners; `None` off the grid, and for corners that are not numbers.
+    fn new(lower: Vec2, upper: Vec2, (width, height): (usize, usize)) -> Option<Self> {
+        let inside = upper.x >= 0.0 && upper.y >= 0.0 && lower.x < width as f32 && lower.y < height as f32;
+        // Conversion to an integer cuts off the fraction and turns what is negative into zero.
+        let span = |low: f32, high: f32, count: usize| low as usize..(high as usize + 1).min(count);
+        let cells = Self { columns: span(lower.x, upper.x, width), rows: span(lower.y, upper.y, height) };
+        inside.then_some(cells)
+    }
+
+    /// The rows that lie in `band`.
+    fn rows_in(&self, band: &Range<usize>) -> Range<usize> {
+        self.rows.start.max(band.start)..self.rows.end.min(band.end)
+    }
 }

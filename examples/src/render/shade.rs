@@ -35,7 +35,7 @@ pub(super) fn render(scene: &Scene, camera: &Camera, size: PictureSize) -> Image
     complete(scene, &view, &mut grid);
     let towards_light = camera.over_left_shoulder();
     let studio = Studio {
-        shadow: Shadow::new(scene, -towards_light),
+        shadow: Shadow::new(scene, -towards_light, camera.right()),
         ambient: ambient(&grid, &view, FACTOR, scene.extent().1),
         colors: scene.surfaces.iter().map(|surface| linear(surface.color)).collect(),
         background: [linear(TOP), linear(BOTTOM)],
@@ -102,19 +102,19 @@ struct Studio {
 }
 
 impl Studio {
-    /// Light of a pixel, linear: from its middle where all its samples see one smooth thing, else the mean.
+    /// Light of a pixel, linear: the mean of its samples, of which those on one smooth thing share their light.
     fn pixel(&self, column: usize, row: usize) -> Vec3 {
         let ambient = self.ambient[row * (self.grid.width / FACTOR) + column];
         let cells = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| (column * FACTOR + x, row * FACTOR + y));
-        let samples = cells.map(|(x, y)| (place(x, y), self.grid.samples[y * self.grid.width + x]));
-        let mean = samples.len() as f32;
-        let (_, first) = samples[0];
-        if samples.iter().all(|(_, seen)| first.continues_in(seen)) {
-            let place = samples.iter().map(|(place, _)| place).sum::<Vec2>() / mean;
-            let nearness = samples.iter().map(|(_, seen)| seen.nearness).sum::<f32>() / mean;
-            return self.light(place, &first.at(nearness), ambient);
+        let samples = cells.map(|(x, y)| &self.grid.samples[y * self.grid.width + x]);
+        let mut light = [Vec3::ZERO; FACTOR * FACTOR];
+        for (index, (&(x, y), seen)) in cells.iter().zip(samples).enumerate() {
+            light[index] = match samples[..index].iter().position(|other| other.continues_in(seen)) {
+                Some(other) => light[other],
+                None => self.light(place(x, y), seen, ambient),
+            };
         }
-        samples.iter().map(|(place, seen)| self.light(*place, seen, ambient)).sum::<Vec3>() / mean
+        light.iter().sum::<Vec3>() / light.len() as f32
     }
 
     /// Light from what is seen at a place.

@@ -11,9 +11,9 @@ const SIZE: usize = 2048;
 /// Radius of the half-shadow at an edge, relative to the radius of the scene.
 const SOFTNESS: f32 = 0.012;
 /// Look-ups per point: levels of the half-shadow.
-const TAPS: usize = 32;
+const TAPS: usize = 16;
 /// Outermost look-ups, which come first: where they agree, the others would.
-const RIM: usize = 8;
+const RIM: usize = 6;
 /// The golden angle (rad), which spreads points evenly over a disc (Vogel 1979).
 const GOLDEN_ANGLE: f32 = 2.399_963;
 
@@ -29,9 +29,12 @@ pub(super) struct Shadow {
 
 impl Shadow {
     /// Lights the scene along `direction` (unit).
-    pub(super) fn new(scene: &Scene, direction: Vec3) -> Self {
+    ///
+    /// The map's rows follow `across`, the rows of the picture: neighbouring pixels then look up neighbouring
+    /// places, which halves the time of the shading.
+    pub(super) fn new(scene: &Scene, direction: Vec3, across: Vec3) -> Self {
         let (center, radius) = scene.extent();
-        let view = Parallel::new(center, radius * 1.01, direction, SIZE);
+        let view = Parallel::new((center, radius * 1.01), direction, across, SIZE);
         let mut map = Grid::new(SIZE, SIZE);
         draw(scene, &view, &mut map);
         let reach = SOFTNESS * radius;
