@@ -11,9 +11,12 @@ const SIZE: usize = 2048;
 /// Radius of the half-shadow at an edge, relative to the radius of the scene.
 const SOFTNESS: f32 = 0.012;
 /// Look-ups per point: levels of the half-shadow.
-const TAPS: usize = 16;
-/// Outermost look-ups, which come first: where they agree, the others would.
-const RIM: usize = 6;
+const TAPS: usize = 24;
+/// Look-ups that come first: where they agree, the others are left out.
+const PROBES: usize = 8;
+/// Order of the look-ups, coprime to their number: the probes spread over the whole disc. Probing the rim alone
+/// makes speckles of lit spots that are smaller than the disc.
+const STRIDE: usize = 7;
 /// The golden angle (rad), which spreads points evenly over a disc (Vogel 1979).
 const GOLDEN_ANGLE: f32 = 2.399_963;
 
@@ -39,7 +42,7 @@ impl Shadow {
         draw(scene, &view, &mut map);
         let reach = SOFTNESS * radius;
         let pattern = std::array::from_fn(|tap| {
-            let index = (TAPS - 1 - tap) as f32;
+            let index = ((TAPS - 1 + STRIDE * tap) % TAPS) as f32;
             let distance = ((index + 0.5) / TAPS as f32).sqrt() * reach * view.scale();
             Vec2::from_angle(GOLDEN_ANGLE * index) * distance
         });
@@ -50,11 +53,11 @@ impl Shadow {
     pub(super) fn light(&self, point: Vec3, normal: Vec3) -> f32 {
         let Some(place) = self.view.project(point + normal * self.lift) else { return 1.0 };
         let lit = |taps: &[Vec2]| taps.iter().filter(|&&offset| self.reaches(place, offset)).count();
-        let (rim, inside) = self.pattern.split_at(RIM);
-        match lit(rim) {
+        let (probes, others) = self.pattern.split_at(PROBES);
+        match lit(probes) {
             0 => 0.0,
-            RIM => 1.0,
-            some => (some + lit(inside)) as f32 / TAPS as f32,
+            PROBES => 1.0,
+            some => (some + lit(others)) as f32 / TAPS as f32,
         }
     }
 
