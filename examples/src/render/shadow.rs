@@ -34,7 +34,7 @@ impl Shadow {
     /// Lights the scene along `direction` (unit).
     ///
     /// The map's rows follow `across`, the rows of the picture: neighbouring pixels then look up neighbouring
-    /// places, which halves the time of the shading.
+    /// places, which saves a third of the shading.
     pub(super) fn new(scene: &Scene, direction: Vec3, across: Vec3) -> Self {
         let (center, radius) = scene.extent();
         let view = Parallel::new((center, radius * 1.01), direction, across, SIZE);
