@@ -19,24 +19,17 @@ fn main() -> Result<(), ImageError> {
 /// All shapes in and around a bowl.
 fn shapes_picture(path: &std::path::Path) -> Result<(), ImageError> {
     let bowl = Mesh::new(&shapes::bowl(1.0, 0.08, 0.9, 160));
+    let at = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
     let things: [(TriangleMesh, Vec3, Vec3); 9] = [
-        (shapes::ring(0.32, 0.1, [96, 48]), Vec3::new(-0.25, -0.7, 0.2), Vec3::new(0.5, 0.0, 0.3)),
-        (
-            shapes::hexagonal_nut(0.6, 0.16, 0.3, 0.03, 96),
-            Vec3::new(0.35, -0.55, 0.25),
-            Vec3::new(0.7, 0.3, -0.6),
-        ),
-        (
-            shapes::torus_knot(2, 3, [0.28, 0.12, 0.06], [384, 32]),
-            Vec3::new(0.1, -0.35, -0.35),
-            Vec3::X * 0.9,
-        ),
-        (shapes::cross(0.4, 0.09), Vec3::new(-0.35, -0.25, -0.25), Vec3::new(0.6, 0.4, 0.2)),
-        (shapes::ring(0.45, 0.14, [128, 64]), Vec3::new(1.7, -0.94, 0.5), Vec3::ZERO),
-        (shapes::torus_knot(3, 4, [0.42, 0.16, 0.06], [512, 32]), Vec3::new(-1.75, -0.86, 0.35), Vec3::ZERO),
-        (shapes::cross(0.45, 0.12), Vec3::new(0.95, -0.82, 1.35), Vec3::new(0.0, 0.4, 0.0)),
-        (shapes::cuboid(DVec3::new(0.3, 0.22, 0.2)), Vec3::new(-0.25, -0.86, 1.65), Vec3::Y * 0.6),
-        (shapes::sphere(0.3, 4), Vec3::new(-1.15, -0.78, 1.3), Vec3::ZERO),
+        (shapes::ring(0.3, 0.1, [96, 48]), at(-0.02, -0.5, 0.22), at(0.45, 0.0, 0.1)),
+        (shapes::hexagonal_nut(0.6, 0.16, 0.3, 0.03, 96), at(0.48, -0.42, 0.0), at(0.3, 0.3, 0.9)),
+        (shapes::torus_knot(2, 3, [0.28, 0.12, 0.06], [384, 32]), at(0.05, -0.42, -0.45), at(0.9, 0.0, 0.0)),
+        (shapes::cross(0.36, 0.09), at(-0.4, -0.25, -0.1), at(0.6, 0.4, 0.2)),
+        (shapes::ring(0.45, 0.14, [128, 64]), at(1.7, -0.94, 0.5), Vec3::ZERO),
+        (shapes::torus_knot(3, 4, [0.42, 0.16, 0.06], [512, 32]), at(-1.75, -0.86, 0.35), Vec3::ZERO),
+        (shapes::cross(0.45, 0.12), at(0.95, -0.63, 1.35), at(0.0, 0.4, 0.0)),
+        (shapes::cuboid(DVec3::new(0.3, 0.22, 0.2)), at(-0.25, -0.86, 1.65), at(0.0, 0.6, 0.0)),
+        (shapes::sphere(0.3, 4), at(-1.15, -0.78, 1.3), Vec3::ZERO),
     ];
     let meshes: Vec<Mesh> = things.iter().map(|(mesh, ..)| Mesh::new(mesh)).collect();
     let mut scene = Scene::new();

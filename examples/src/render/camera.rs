@@ -1,7 +1,7 @@
 //! Views: the camera's perspective and the light's parallel projection.
 
 use super::PictureSize;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// Where the picture is taken from: a perspective camera with y upwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,6 +54,11 @@ impl Camera {
         (point - self.eye).dot(self.forward)
     }
 
+    /// Unit vector along the rows of the picture.
+    pub(super) fn right(&self) -> Vec3 {
+        self.right
+    }
+
     /// Unit vector towards a light high behind the photographer's left shoulder.
     pub(super) fn over_left_shoulder(&self) -> Vec3 {
         let behind = self.right.cross(Vec3::Y).normalize_or(Vec3::Z);
@@ -97,7 +102,7 @@ pub(super) trait View: Sync {
     /// Factor that makes a quantity that is linear in space linear across the grid.
     fn weight(&self, nearness: f32) -> f32;
     /// Origin and direction of the ray through a place on the grid.
-    fn ray(&self, column: f32, row: f32) -> (Vec3, Vec3);
+    fn ray(&self, place: Vec2) -> (Vec3, Vec3);
     /// Nearness of the point at `t` directions along a ray.
     fn nearness(&self, t: f32) -> f32;
     /// Columns and rows that a ball can cover: lowest and highest of each.
@@ -109,13 +114,13 @@ pub(super) struct Perspective {
     camera: Camera,
     /// Samples per unit at distance 1, and the middle of the grid.
     focal: f32,
-    middle: [f32; 2],
+    middle: Vec2,
 }
 
 impl Perspective {
     pub(super) fn new(camera: Camera, width: usize, height: usize) -> Self {
-        let middle = [width as f32 / 2.0, height as f32 / 2.0];
-        Self { camera, focal: middle[1] / camera.half_height, middle }
+        let middle = Vec2::new(width as f32, height as f32) / 2.0;
+        Self { camera, focal: middle.y / camera.half_height, middle }
     }
 
     /// Samples that `length` (m) covers at the given nearness.
@@ -124,8 +129,8 @@ impl Perspective {
     }
 
     /// The point seen at a place on the grid.
-    pub(super) fn point(&self, column: f32, row: f32, nearness: f32) -> Vec3 {
-        let (origin, direction) = self.ray(column, row);
+    pub(super) fn point(&self, place: Vec2, nearness: f32) -> Vec3 {
+        let (origin, direction) = self.ray(place);
         origin + direction / nearness
     }
 
@@ -152,8 +157,8 @@ impl View for Perspective {
             return None;
         }
         let (offset, scale) = (point - self.camera.eye, self.focal / depth);
-        let column = self.middle[0] + offset.dot(self.camera.right) * scale;
-        let row = self.middle[1] - offset.dot(self.camera.up) * scale;
+        let column = self.middle.x + offset.dot(self.camera.right) * scale;
+        let row = self.middle.y - offset.dot(self.camera.up) * scale;
         Some(Vec3::new(column, row, depth.recip()))
     }
 
@@ -161,9 +166,9 @@ impl View for Perspective {
         nearness
     }
 
-    fn ray(&self, column: f32, row: f32) -> (Vec3, Vec3) {
-        let across = (column - self.middle[0]) / self.focal;
-        let upwards = (self.middle[1] - row) / self.focal;
+    fn ray(&self, place: Vec2) -> (Vec3, Vec3) {
+        let across = (place.x - self.middle.x) / self.focal;
+        let upwards = (self.middle.y - place.y) / self.focal;
         let Camera { eye, right, up, forward, .. } = self.camera;
         (eye, forward + right * across + up * upwards)
     }
@@ -180,7 +185,7 @@ impl View for Perspective {
         }
         let [left, right] = self.tangents(offset.dot(self.camera.right), depth, radius)?;
         let [top, bottom] = self.tangents(-offset.dot(self.camera.up), depth, radius)?;
-        let [x, y] = self.middle;
+        let Vec2 { x, y } = self.middle;
         Some([x + left, x + right, y + top, y + bottom])
     }
 }
@@ -197,9 +202,11 @@ pub(super) struct Parallel {
 }
 
 impl Parallel {
-    /// A view along `forward` with the ball of `radius` around `center` inside its `size` × `size` samples.
-    pub(super) fn new(center: Vec3, radius: f32, forward: Vec3, size: usize) -> Self {
-        let right = forward.any_orthonormal_vector();
+    /// A view along `forward` with the ball of `radius` around `center` inside its `size` × `size` samples, and
+    /// `across` along its rows as far as possible.
+    pub(super) fn new((center, radius): (Vec3, f32), forward: Vec3, across: Vec3, size: usize) -> Self {
+        let level = across.reject_from_normalized(forward).try_normalize();
+        let right = level.unwrap_or_else(|| forward.any_orthonormal_vector());
         let middle = size as f32 / 2.0;
         Self { center, right, up: right.cross(forward), forward, scale: middle / radius, middle }
     }
@@ -222,9 +229,9 @@ impl View for Parallel {
         1.0
     }
 
-    fn ray(&self, column: f32, row: f32) -> (Vec3, Vec3) {
-        let across = (column - self.middle) / self.scale;
-        let upwards = (self.middle - row) / self.scale;
+    fn ray(&self, place: Vec2) -> (Vec3, Vec3) {
+        let across = (place.x - self.middle) / self.scale;
+        let upwards = (self.middle - place.y) / self.scale;
         (self.center + self.right * across + self.up * upwards, self.forward)
     }
 
@@ -253,7 +260,7 @@ mod tests {
             let view = Perspective::new(camera, size.width as usize, size.height as usize);
             let reach = |p: Vec3| {
                 let seen = view.project(p).unwrap();
-                let [x, y] = view.middle;
+                let Vec2 { x, y } = view.middle;
                 ((seen.x - x).abs() / x).max((seen.y - y).abs() / y)
             };
             let most = CORNERS.map(reach).into_iter().fold(0.0, f32::max);
@@ -265,12 +272,12 @@ mod tests {
     fn rays_lead_back_to_the_projected_point() {
         let camera = Camera::new(Vec3::new(4.0, 3.0, 8.0), Vec3::ZERO);
         let perspective = Perspective::new(camera, 640, 480);
-        let parallel = Parallel::new(Vec3::ONE, 5.0, Vec3::new(-1.0, -2.0, -0.5).normalize(), 256);
+        let parallel = Parallel::new((Vec3::ONE, 5.0), Vec3::new(-1.0, -2.0, -0.5).normalize(), Vec3::X, 256);
         for point in CORNERS {
             let seen = perspective.project(point).unwrap();
-            assert!(perspective.point(seen.x, seen.y, seen.z).distance(point) < 1e-4);
+            assert!(perspective.point(seen.truncate(), seen.z).distance(point) < 1e-4);
             let seen = parallel.project(point).unwrap();
-            let (origin, direction) = parallel.ray(seen.x, seen.y);
+            let (origin, direction) = parallel.ray(seen.truncate());
             assert!((origin - direction * seen.z).distance(point) < 1e-4);
         }
     }

@@ -20,9 +20,9 @@
 //! # }
 //! ```
 //!
-//! The stages: [`Scene`] collects, `raster` fills a buffer of depths, normals and surfaces from the camera and a
-//! buffer of depths from the light, `occlusion` and `shade` turn them into light, `resolve` averages the samples
-//! of each pixel. Every stage writes each pixel from one thread, so pictures do not depend on their number.
+//! The stages: [`Scene`] collects; `raster` fills one grid with depths, normals and surfaces from the camera and
+//! another with depths from the light (`shadow`); `occlusion` and `shade` turn them into the light of each pixel.
+//! Every stage writes each value from one thread, so pictures do not depend on the number of threads.
 
 mod buffer;
 mod camera;
@@ -33,6 +33,8 @@ mod raster;
 mod scene;
 mod shade;
 mod shadow;
+#[cfg(test)]
+mod tests;
 
 pub use camera::Camera;
 pub use image::{Image, ImageError};

@@ -3,23 +3,26 @@
 //! Triangles are filled by barycentric coordinates; balls are intersected with the ray of each sample, so that
 //! their outlines, depths and normals are exact.
 
-use super::buffer::{Fragment, Grid, Sample};
+use super::buffer::{Fragment, Grid, Sample, place};
 use super::camera::View;
 use super::scene::{Ball, CutPlane, PlacedMesh, Scene, Section};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
 
 /// Rows that a thread draws at a time: enough bands to share, few enough that each may look at every triangle.
 const BAND: usize = 64;
 
+/// How far triangles reach over their edges, in barycentric coordinates: rounding must not tear seams open.
+const SEAM: f32 = 1e-5;
+
 /// Draws everything but the ground.
 pub(super) fn draw<V: View, S: Sample>(scene: &Scene, view: &V, grid: &mut Grid<S>) {
+    let (width, size) = (grid.width, (grid.width, grid.height));
     let meshes: Vec<Vec<Triangle>> =
-        scene.meshes.par_iter().map(|placed| project_mesh(scene, view, placed)).collect();
+        scene.meshes.par_iter().map(|placed| project_mesh(scene, view, size, placed)).collect();
     let balls: Vec<ProjectedBall> =
-        scene.balls.iter().filter_map(|ball| project_ball(scene, view, ball)).collect();
-    let width = grid.width;
+        scene.balls.iter().filter_map(|ball| project_ball(scene, view, size, ball)).collect();
     grid.samples.par_chunks_mut(width.max(1) * BAND).enumerate().for_each(|(index, samples)| {
         let first = index * BAND;
         let rows = first..first + samples.len() / width;
@@ -35,6 +38,7 @@ pub(super) fn draw<V: View, S: Sample>(scene: &Scene, view: &V, grid: &mut Grid<
 
 /// A triangle on the grid.
 struct Triangle {
+    cells: Cells,
     /// Column, row and nearness of the corners.
     corners: [Vec3; 3],
     /// Weighted normals of the corners, towards the viewer.
@@ -47,13 +51,17 @@ struct Triangle {
 
 /// A ball with the part of the grid that it can cover.
 struct ProjectedBall {
+    cells: Cells,
     ball: Ball,
-    columns: [f32; 2],
-    rows: [f32; 2],
     cut: Option<CutPlane>,
 }
 
-fn project_mesh<V: View>(scene: &Scene, view: &V, placed: &PlacedMesh) -> Vec<Triangle> {
+fn project_mesh<V: View>(
+    scene: &Scene,
+    view: &V,
+    size: (usize, usize),
+    placed: &PlacedMesh,
+) -> Vec<Triangle> {
     let PlacedMesh { mesh, pose, surface } = *placed;
     let cut = scene.cut.filter(|_| scene.surfaces[surface as usize].section != Section::Whole);
     let world: Vec<Vec3> = mesh.positions.iter().map(|&p| pose.transform_point(p)).collect();
@@ -66,6 +74,8 @@ fn project_mesh<V: View>(scene: &Scene, view: &V, placed: &PlacedMesh) -> Vec<Tr
         if back && cut.is_none() {
             continue;
         }
+        let (lower, upper) = (a.min(b).min(c).truncate(), a.max(b).max(c).truncate());
+        let Some(cells) = Cells::new(lower, upper, size) else { continue };
         let corners = [a, b, c];
         let weights = corners.map(|corner| view.weight(corner.z));
         let side = if back { -1.0 } else { 1.0 };
@@ -73,6 +83,7 @@ fn project_mesh<V: View>(scene: &Scene, view: &V, placed: &PlacedMesh) -> Vec<Tr
         let beyond =
             |k: usize| cut.map_or(-1.0, |plane| plane.beyond(world[vertices[k] as usize]) * weights[k]);
         triangles.push(Triangle {
+            cells,
             corners,
             normals: [0, 1, 2].map(normal),
             beyond: [0, 1, 2].map(beyond),
@@ -83,7 +94,12 @@ fn project_mesh<V: View>(scene: &Scene, view: &V, placed: &PlacedMesh) -> Vec<Tr
     triangles
 }
 
-fn project_ball<V: View>(scene: &Scene, view: &V, ball: &Ball) -> Option<ProjectedBall> {
+fn project_ball<V: View>(
+    scene: &Scene,
+    view: &V,
+    size: (usize, usize),
+    ball: &Ball,
+) -> Option<ProjectedBall> {
     let section = scene.surfaces[ball.surface as usize].section;
     let cut = scene.cut.filter(|_| section == Section::Capped);
     let gone = |plane: &CutPlane| match section {
@@ -95,7 +111,8 @@ fn project_ball<V: View>(scene: &Scene, view: &V, ball: &Ball) -> Option<Project
         return None;
     }
     let [left, right, top, bottom] = view.ball_bounds(ball.center, ball.radius)?;
-    Some(ProjectedBall { ball: *ball, columns: [left, right], rows: [top, bottom], cut })
+    let cells = Cells::new(Vec2::new(left, top), Vec2::new(right, bottom), size)?;
+    Some(ProjectedBall { cells, ball: *ball, cut })
 }
 
 /// Some rows of the grid.
@@ -108,25 +125,23 @@ struct Band<'a, S, V> {
 
 impl<S: Sample, V: View> Band<'_, S, V> {
     fn fill_triangle(&mut self, triangle: &Triangle) {
+        let rows = triangle.cells.rows_in(&self.rows);
         let [a, b, c] = triangle.corners;
-        let (lower, upper) = (a.min(b).min(c), a.max(b).max(c));
-        let rows = covered(lower.y, upper.y, self.rows.clone());
-        if rows.is_empty() {
-            return;
-        }
-        let columns = covered(lower.x, upper.x, 0..self.width);
         let (ab, ac) = ((b - a).truncate(), (c - a).truncate());
         let area = ab.perp_dot(ac);
-        if columns.is_empty() || area == 0.0 {
+        if rows.is_empty() || area == 0.0 {
             return;
         }
+        // Barycentric coordinates of b and c: linear functions on the grid.
+        let v_slope = Vec2::new(ac.y, -ac.x) / area;
+        let w_slope = Vec2::new(-ab.y, ab.x) / area;
         for row in rows {
             let start = (row - self.rows.start) * self.width;
-            for column in columns.clone() {
-                let offset = glam::Vec2::new(column as f32 + 0.5, row as f32 + 0.5) - a.truncate();
-                let (v, w) = (offset.perp_dot(ac) / area, ab.perp_dot(offset) / area);
+            for column in triangle.cells.columns.clone() {
+                let offset = place(column, row) - a.truncate();
+                let (v, w) = (offset.dot(v_slope), offset.dot(w_slope));
                 let u = 1.0 - v - w;
-                if u < 0.0 || v < 0.0 || w < 0.0 {
+                if u < -SEAM || v < -SEAM || w < -SEAM {
                     continue;
                 }
                 let nearness = a.z * u + b.z * v + c.z * w;
@@ -145,14 +160,10 @@ impl<S: Sample, V: View> Band<'_, S, V> {
     }
 
     fn fill_ball(&mut self, projected: &ProjectedBall) {
-        let [top, bottom] = projected.rows;
-        let rows = covered(top, bottom, self.rows.clone());
-        let [left, right] = projected.columns;
-        let columns = covered(left, right, 0..self.width);
-        for row in rows {
+        for row in projected.cells.rows_in(&self.rows) {
             let start = (row - self.rows.start) * self.width;
-            for column in columns.clone() {
-                let ray = self.view.ray(column as f32 + 0.5, row as f32 + 0.5);
+            for column in projected.cells.columns.clone() {
+                let ray = self.view.ray(place(column, row));
                 let Some((t, normal)) = hit_ball(ray, projected) else { continue };
                 let nearness = self.view.nearness(t);
                 let sample = &mut self.samples[start + column];
@@ -195,10 +206,25 @@ pub(super) fn hit_plane((origin, direction): (Vec3, Vec3), plane: &CutPlane) -> 
     (approach != 0.0).then(|| -plane.beyond(origin) / approach)
 }
 
-/// The samples of `range` whose middles lie between `low` and `high`.
-fn covered(low: f32, high: f32, range: Range<usize>) -> Range<usize> {
-    let first = (low - 0.5).ceil().max(range.start as f32);
-    let end = ((high - 0.5).floor() + 1.0).min(range.end as f32);
-    // A bound that is not a number gives an empty range, too.
-    if first < end { first as usize..end as usize } else { range.start..range.start }
+/// Cells of the grid that something can touch.
+#[derive(Clone)]
+struct Cells {
+    columns: Range<usize>,
+    rows: Range<usize>,
+}
+
+impl Cells {
+    /// The cells between two corners; `None` off the grid, and for corners that are not numbers.
+    fn new(lower: Vec2, upper: Vec2, (width, height): (usize, usize)) -> Option<Self> {
+        let inside = upper.x >= 0.0 && upper.y >= 0.0 && lower.x < width as f32 && lower.y < height as f32;
+        // Conversion to an integer cuts off the fraction and turns what is negative into zero.
+        let span = |low: f32, high: f32, count: usize| low as usize..(high as usize + 1).min(count);
+        let cells = Self { columns: span(lower.x, upper.x, width), rows: span(lower.y, upper.y, height) };
+        inside.then_some(cells)
+    }
+
+    /// The rows that lie in `band`.
+    fn rows_in(&self, band: &Range<usize>) -> Range<usize> {
+        self.rows.start.max(band.start)..self.rows.end.min(band.end)
+    }
 }

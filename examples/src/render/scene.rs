@@ -45,7 +45,8 @@ pub enum Section {
     /// What lies beyond the plane is taken away and the inside shows. Balls go wholly or stay wholly, by their
     /// centre.
     Hollow,
-    /// What lies beyond the plane is taken away and the cut face closed, as through solid material.
+    /// What lies beyond the plane is taken away and the cut face closed, as through solid material. Whatever lies
+    /// inside the material would show through.
     Capped,
 }
 
@@ -152,17 +153,25 @@ impl<'a> Scene<'a> {
         shade::render(self, camera, size)
     }
 
-    /// Points whose convex hull holds everything but the ground.
+    /// Points whose convex hull holds everything that is drawn but the ground, give or take a triangle.
     fn outline(&self) -> Vec<Vec3> {
         let vertices = self.meshes.iter().flat_map(|placed| {
-            placed.mesh.positions.iter().map(|&position| placed.pose.transform_point(position))
+            let vertices =
+                placed.mesh.positions.iter().map(|&position| placed.pose.transform_point(position));
+            vertices.map(|vertex| (vertex, placed.surface))
         });
         let corners = self.balls.iter().flat_map(|ball| {
-            let axes = [Vec3::X, Vec3::Y, Vec3::Z];
-            axes.into_iter()
-                .flat_map(|axis| [1.0, -1.0].map(|sign| ball.center + axis * (sign * ball.radius)))
+            let ends = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| axis * ball.radius);
+            ends.into_iter()
+                .flat_map(|end| [(ball.center + end, ball.surface), (ball.center - end, ball.surface)])
         });
-        vertices.chain(corners).filter(|point| point.is_finite()).collect()
+        let stays = |point: Vec3, surface: u32| {
+            let whole = self.surfaces[surface as usize].section == Section::Whole;
+            whole || self.cut.is_none_or(|plane| plane.beyond(point) <= 0.0)
+        };
+        let stays =
+            |(point, surface): (Vec3, u32)| (point.is_finite() && stays(point, surface)).then_some(point);
+        vertices.chain(corners).filter_map(stays).collect()
     }
 
     /// Centre and radius of a ball around everything but the ground.

@@ -1,13 +1,13 @@
 //! From what is seen to light: the stages of a picture.
 
-use super::buffer::{Grid, Sample, Seen};
+use super::buffer::{Fragment, Grid, Sample, Seen, place};
 use super::camera::{Camera, Perspective, View};
 use super::occlusion::ambient;
 use super::raster::{draw, hit_plane};
 use super::scene::{CutPlane, Scene, Section};
 use super::shadow::Shadow;
 use super::{Image, PictureSize};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
 /// Samples per pixel along each side.
@@ -16,11 +16,12 @@ const FACTOR: usize = 2;
 const MAX_SIDE: u32 = 8192;
 
 // Light in linear units, white paper in full light at about 1.
-const KEY: Vec3 = Vec3::new(0.92, 0.87, 0.80);
+const KEY: Vec3 = Vec3::new(1.00, 0.95, 0.87);
 const SKY: Vec3 = Vec3::new(0.40, 0.44, 0.50);
 const FLOOR: Vec3 = Vec3::new(0.24, 0.22, 0.20);
-const SHINE: f32 = 0.10;
-const SHINE_EXPONENT: f32 = 40.0;
+const SHINE: f32 = 0.16;
+const SHINE_EXPONENT: i32 = 40;
+const EXPOSURE: f32 = 1.6;
 // Background, sRGB.
 const TOP: [f32; 3] = [0.80, 0.84, 0.89];
 const BOTTOM: [f32; 3] = [0.96, 0.96, 0.95];
@@ -34,7 +35,7 @@ pub(super) fn render(scene: &Scene, camera: &Camera, size: PictureSize) -> Image
     complete(scene, &view, &mut grid);
     let towards_light = camera.over_left_shoulder();
     let studio = Studio {
-        shadow: Shadow::new(scene, -towards_light),
+        shadow: Shadow::new(scene, -towards_light, camera.right()),
         ambient: ambient(&grid, &view, FACTOR, scene.extent().1),
         colors: scene.surfaces.iter().map(|surface| linear(surface.color)).collect(),
         background: [linear(TOP), linear(BOTTOM)],
@@ -42,10 +43,11 @@ pub(super) fn render(scene: &Scene, camera: &Camera, size: PictureSize) -> Image
         view,
         grid,
     };
+    let encoder = Encoder::new();
     let mut pixels = vec![[0; 3]; width * height];
     pixels.par_chunks_mut(width).enumerate().for_each(|(row, pixels)| {
         for (column, pixel) in pixels.iter_mut().enumerate() {
-            *pixel = srgb(studio.pixel(column, row));
+            *pixel = encoder.encode(studio.pixel(column, row));
         }
     });
     Image::new(width as u32, height as u32, pixels)
@@ -58,33 +60,34 @@ pub(super) fn render(scene: &Scene, camera: &Camera, size: PictureSize) -> Image
 fn complete(scene: &Scene, view: &Perspective, grid: &mut Grid<Seen>) {
     let width = grid.width;
     let capped = |seen: &Seen| {
-        let section = scene.surfaces.get(seen.surface as usize).map(|surface| surface.section);
-        seen.back && section == Some(Section::Capped)
+        seen.back && scene.surfaces.get(seen.surface as usize).is_some_and(|s| s.section == Section::Capped)
     };
-    let ground = scene.ground.map(|height| CutPlane { point: Vec3::Y * height, normal: Vec3::Y });
-    let place = |seen: &mut Seen, ray: (Vec3, Vec3), plane: &CutPlane, surface: u32| {
-        let t = hit_plane(ray, plane).filter(|&t| t > 0.0);
-        if let Some(nearness) = t.map(|t| view.nearness(t)).filter(|&n| n > seen.nearness) {
-            *seen = Seen::new(nearness, || super::buffer::Fragment {
-                normal: plane.normal,
-                surface,
-                back: false,
-            });
-        }
-    };
+    let nearness = |ray, plane| hit_plane(ray, &plane).filter(|&t| t > 0.0).map(|t| view.nearness(t));
     grid.samples.par_chunks_mut(width).enumerate().for_each(|(row, samples)| {
-        for (column, seen) in samples.iter_mut().enumerate() {
-            let ray = view.ray(column as f32 + 0.5, row as f32 + 0.5);
-            if let Some(plane) = scene.cut.as_ref().filter(|_| capped(seen)) {
-                let surface = seen.surface;
-                place(seen, ray, plane, surface);
+        if let Some(plane) = scene.cut {
+            for (column, seen) in samples.iter_mut().enumerate().filter(|(_, seen)| capped(seen)) {
+                if let Some(nearness) = nearness(view.ray(place(column, row)), plane) {
+                    *seen = flat(nearness, plane.normal, seen.surface);
+                }
             }
-            // The ground is seen from above only.
-            if let Some(plane) = ground.as_ref().filter(|_| ray.1.y < 0.0) {
-                place(seen, ray, plane, Seen::GROUND);
+        }
+        // The camera stands upright: rays of one height meet the ground at one depth, and a row has two heights.
+        for first in 0..2 {
+            let ray = view.ray(place(first, row));
+            let below = scene.ground.filter(|&height| ray.1.y < 0.0 && ray.0.y > height);
+            let ground = below.map(|height| CutPlane { point: Vec3::Y * height, normal: Vec3::Y });
+            if let Some(nearness) = ground.and_then(|plane| nearness(ray, plane)) {
+                let ground = flat(nearness, Vec3::Y, Seen::GROUND);
+                let beyond =
+                    samples.iter_mut().skip(first).step_by(2).filter(|seen| seen.nearness < nearness);
+                beyond.for_each(|seen| *seen = ground);
             }
         }
     });
+}
+
+fn flat(nearness: f32, normal: Vec3, surface: u32) -> Seen {
+    Seen::new(nearness, || Fragment { normal, surface, back: false })
 }
 
 /// Everything that decides the colour of a pixel.
@@ -99,48 +102,74 @@ struct Studio {
 }
 
 impl Studio {
-    /// Mean of the pixel's samples, linear.
+    /// Light of a pixel, linear: the mean of its samples, of which those on one smooth thing share their light.
     fn pixel(&self, column: usize, row: usize) -> Vec3 {
         let ambient = self.ambient[row * (self.grid.width / FACTOR) + column];
-        let mut sum = Vec3::ZERO;
-        for phase in 0..FACTOR * FACTOR {
-            let (x, y) = (column * FACTOR + phase % FACTOR, row * FACTOR + phase / FACTOR);
-            sum += self.sample(x, y, ambient, phase);
+        let cells = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| (column * FACTOR + x, row * FACTOR + y));
+        let samples = cells.map(|(x, y)| &self.grid.samples[y * self.grid.width + x]);
+        let mut light = [Vec3::ZERO; FACTOR * FACTOR];
+        for (index, (&(x, y), seen)) in cells.iter().zip(samples).enumerate() {
+            light[index] = match samples[..index].iter().position(|other| other.continues_in(seen)) {
+                Some(other) => light[other],
+                None => self.light(place(x, y), seen, ambient),
+            };
         }
-        sum / (FACTOR * FACTOR) as f32
+        light.iter().sum::<Vec3>() / light.len() as f32
     }
 
-    fn sample(&self, column: usize, row: usize, ambient: f32, phase: usize) -> Vec3 {
-        let seen = self.grid.samples[row * self.grid.width + column];
+    /// Light from what is seen at a place.
+    fn light(&self, place: Vec2, seen: &Seen, ambient: f32) -> Vec3 {
         let [top, bottom] = self.background;
-        let background = top.lerp(bottom, row as f32 / self.grid.height as f32);
+        let background = top.lerp(bottom, place.y / self.grid.height as f32);
         if seen.surface == Seen::NOTHING {
             return background;
         }
-        let (x, y) = (column as f32 + 0.5, row as f32 + 0.5);
-        let (point, normal) = (self.view.point(x, y, seen.nearness), seen.normal());
+        let point = self.view.point(place, seen.nearness);
+        let normal = seen.normal();
         let facing = normal.dot(self.towards_light);
-        let key = if facing > 0.0 { self.shadow.light(point, normal, phase) * facing } else { 0.0 };
+        let key = if facing > 0.0 { self.shadow.light(point, normal) * facing } else { 0.0 };
         let sky = SKY.lerp(FLOOR, 0.5 - 0.5 * normal.y) * ambient;
         if seen.surface == Seen::GROUND {
             // The ground is the background where light reaches it, so that it has no horizon.
-            let full = KEY * facing + SKY;
-            return background * (KEY * key + sky) / full;
+            return background * (KEY * key + sky) / (KEY * facing + SKY);
         }
-        let (_, direction) = self.view.ray(x, y);
+        let (_, direction) = self.view.ray(place);
         let half = (self.towards_light - direction.normalize()).normalize_or_zero();
-        let shine = SHINE * normal.dot(half).max(0.0).powf(SHINE_EXPONENT) * key;
-        self.colors[seen.surface as usize] * (KEY * key + sky) + KEY * shine
+        let shine = SHINE * normal.dot(half).max(0.0).powi(SHINE_EXPONENT) * key;
+        expose(self.colors[seen.surface as usize] * (KEY * key + sky) + KEY * shine)
     }
+}
+
+/// The response of film: bright light saturates gently, and colours grow a little paler with it.
+fn expose(light: Vec3) -> Vec3 {
+    let respond = |light: Vec3| Vec3::ONE - (light * -EXPOSURE).exp();
+    // Each channel by itself turns orange into yellow; all by the brightest one looks like plastic. Half and half.
+    let brightest = light.max_element().max(1e-6);
+    let same_hue = light * (respond(Vec3::splat(brightest)).x / brightest);
+    same_hue.midpoint(respond(light))
 }
 
 fn linear(srgb: [f32; 3]) -> Vec3 {
     Vec3::from(srgb.map(|c| if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }))
 }
 
-fn srgb(linear: Vec3) -> [u8; 3] {
-    let encode = |c: f32| if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
-    linear.to_array().map(|c| (encode(c.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8)
+/// Linear light as 8-bit sRGB, by table: a power for each channel would take as long as the rest of the shading.
+struct Encoder(Vec<u8>);
+
+impl Encoder {
+    /// Fine enough that every one of the 256 values keeps entries of its own, also the darkest.
+    const ENTRIES: usize = 1 << 14;
+
+    fn new() -> Self {
+        let encode = |c: f32| if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
+        let entry = |index| encode(index as f32 / (Self::ENTRIES - 1) as f32);
+        Self((0..Self::ENTRIES).map(|index| (entry(index) * 255.0 + 0.5) as u8).collect())
+    }
+
+    fn encode(&self, linear: Vec3) -> [u8; 3] {
+        let last = (Self::ENTRIES - 1) as f32;
+        linear.to_array().map(|c| self.0[(c.clamp(0.0, 1.0) * last + 0.5) as usize])
+    }
 }
 
 #[cfg(test)]
@@ -149,9 +178,10 @@ mod tests {
 
     #[test]
     fn srgb_and_back() {
+        let encoder = Encoder::new();
         for value in 0..=255_u8 {
             let channel = f32::from(value) / 255.0;
-            assert_eq!(srgb(linear([channel; 3])), [value; 3]);
+            assert_eq!(encoder.encode(linear([channel; 3])), [value; 3]);
         }
     }
 }

@@ -1,14 +1,16 @@
 //! Names of bodies as frames and topics.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
-/// Frames of the file that no body may take.
-const RESERVED: [&str; 4] = [super::WORLD_FRAME, super::ROOT_FRAME, "scene", ""];
+/// Frames and topics of the file itself.
+const RESERVED: [&str; 3] = [super::WORLD_FRAME, super::ROOT_FRAME, "scene"];
 
 /// The names given so far.
 #[derive(Default)]
 pub(super) struct Names {
     taken: HashSet<String>,
+    /// The number that the next body of a name gets: a thousand bodies may share one.
+    next_number: HashMap<String, u32>,
 }
 
 impl Names {
@@ -16,15 +18,16 @@ impl Names {
     /// digits, `-`, `_` and `.` become `_`, and a number is added to a name that has been given.
     pub(super) fn unique(&mut self, wanted: &str) -> String {
         let allowed = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
-        let clean: String =
-            wanted.trim().chars().map(|c| if allowed(c) { c } else { '_' }).take(MAX_LENGTH).collect();
-        let mut name = if clean.is_empty() { "body".to_owned() } else { clean.clone() };
-        let base = name.clone();
-        // Bodies named alike are numbered in turn: start where the last one of that name must be.
-        let mut number = 2;
+        let clean = wanted.trim().chars().map(|c| if allowed(c) { c } else { '_' });
+        let mut base: String = clean.take(MAX_LENGTH).collect();
+        if base.is_empty() {
+            base.push_str("body");
+        }
+        let mut name = base.clone();
         while RESERVED.contains(&name.as_str()) || !self.taken.insert(name.clone()) {
+            let number = self.next_number.entry(base.clone()).or_insert(2);
             name = format!("{base}_{number}");
-            number += 1;
+            *number += 1;
         }
         name
     }
