@@ -78,7 +78,7 @@ impl Model {
         let mass = rapier3d::geometry::Shape::mass_properties(&mass, density);
         Ok(ColliderBuilder::new(SharedShape(shape.into())).mass_properties(mass))
     }
-
+}
 
 /// Vertices and triangles of `solid` in single precision.
 #[must_use]

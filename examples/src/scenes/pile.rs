@@ -123,8 +123,8 @@ impl Pile {
             let position = Vec3::new(ring * angle.cos(), height, ring * angle.sin()) + jitter;
             let model = index % self.models.len();
             let size = random.random_range(SIZES[0]..SIZES[1]);
-            let body = RigidBodyBuilder::dynamic()
-                .pose(glamx::Pose3::from_parts(position, rotation(&mut random)));
+            let body =
+                RigidBodyBuilder::dynamic().pose(glamx::Pose3::from_parts(position, rotation(&mut random)));
             let (handle, _) = self.world.insert(body, self.models[model].collider(size, DENSITY)?);
             self.bodies.push(PileBody { handle, model, size });
         }
