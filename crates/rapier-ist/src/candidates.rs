@@ -1,9 +1,10 @@
 //! Which pairs of colliders may be in volume contact.
 //!
-//! Found anew from the poses before every step, not from Rapier's contact graph, which is as old as the last
+//! Found anew from the predicted poses before every step, not from Rapier's contact graph, which is as old as the last
 //! detection: a pair that begins to overlap now is pushed now.
 
 use crate::IstShape;
+use crate::lookahead::Displacement;
 use rapier3d::dynamics::{RigidBody, RigidBodyHandle};
 use rapier3d::geometry::{Collider, ColliderHandle, SolverFlags};
 use rapier3d::math::Pose;
@@ -16,7 +17,10 @@ use std::collections::HashSet;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Candidate {
     pub(crate) colliders: [ColliderHandle; 2],
+    /// At the end of the step, as far as it can be told now.
     pub(crate) poses: [Pose; 2],
+    /// What leads to these poses.
+    pub(crate) displacements: [Displacement; 2],
 }
 
 /// All pairs whose boxes overlap and which Rapier would let collide, sorted by handles.
@@ -28,11 +32,12 @@ pub(crate) fn candidates(
     let mut solids = Vec::new();
     let mut others = Vec::new();
     for (handle, collider) in world.colliders.iter_enabled().filter(|(_, c)| !c.is_sensor()) {
-        let pose = current_pose(world, collider);
-        let near = Near { handle, collider, pose, bounds: collider.shape().compute_aabb(&pose) };
+        let (displacement, pose) = predicted_pose(world, collider);
         if !pose.is_finite() {
             continue;
         }
+        let near =
+            Near { handle, collider, pose, displacement, bounds: collider.shape().compute_aabb(&pose) };
         let list = if collider.shape().as_shape::<IstShape>().is_some() { &mut solids } else { &mut others };
         list.push(near);
     }
@@ -56,19 +61,22 @@ pub(crate) fn candidates(
     pairs
 }
 
-/// Pose of a collider after all changes that the user made since the last step.
-fn current_pose(world: &PhysicsWorld, collider: &Collider) -> Pose {
+/// Pose of a collider at the end of the step, after all changes that the user made since the last one.
+fn predicted_pose(world: &PhysicsWorld, collider: &Collider) -> (Displacement, Pose) {
     let parent = collider.parent().and_then(|parent| world.bodies.get(parent));
-    match (parent, collider.position_wrt_parent()) {
-        (Some(body), Some(local)) => *body.position() * *local,
-        _ => *collider.position(),
-    }
+    let (Some(body), Some(local)) = (parent, collider.position_wrt_parent()) else {
+        return (Displacement::default(), *collider.position());
+    };
+    let dt = world.integration_parameters.dt;
+    let displacement = Displacement::of(body, collider.shape(), world.gravity, dt);
+    (displacement, displacement.apply(&(*body.position() * *local)))
 }
 
 struct Near<'a> {
     handle: ColliderHandle,
     collider: &'a Collider,
     pose: Pose,
+    displacement: Displacement,
     bounds: Aabb,
 }
 
@@ -83,7 +91,11 @@ impl Filter<'_> {
     fn push(&self, a: &Near, b: &Near, pairs: &mut Vec<Candidate>) {
         let (a, b) = if a.handle.into_raw_parts() < b.handle.into_raw_parts() { (a, b) } else { (b, a) };
         if a.bounds.intersects(&b.bounds) && self.may_collide(a, b) {
-            pairs.push(Candidate { colliders: [a.handle, b.handle], poses: [a.pose, b.pose] });
+            pairs.push(Candidate {
+                colliders: [a.handle, b.handle],
+                poses: [a.pose, b.pose],
+                displacements: [a.displacement, b.displacement],
+            });
         }
     }
 

@@ -48,6 +48,7 @@ fn mean_contact(pos12: &Pose, g1: &dyn Shape, g2: &dyn Shape) -> Result<Option<M
                 for sample in &mut *samples {
                     sample.point = *pos12 * sample.point;
                     sample.normal = -(pos12.rotation * sample.normal);
+                    sample.separation = -(pos12.rotation * sample.separation);
                 }
             }
             (None, None) => return Err(Unsupported),
@@ -56,7 +57,7 @@ fn mean_contact(pos12: &Pose, g1: &dyn Shape, g2: &dyn Shape) -> Result<Option<M
         let moment: Vector = samples.iter().map(|s| s.volume * s.point).sum();
         let direction: Vector = samples.iter().map(|s| s.volume * s.normal).sum();
         let Some(normal) = direction.try_normalize().filter(|_| volume > 0.0) else { return Ok(None) };
-        let area: Real = samples.iter().map(|s| s.area * s.normal.dot(normal).max(0.0)).sum();
+        let area: Real = samples.iter().map(|s| s.separation.dot(normal)).sum();
         // A body wholly inside another has a volume and no cross-section: its own size bounds the depth.
         let depth = (volume / area.max(Real::MIN_POSITIVE)).min(volume.cbrt());
         Ok(Some(MeanContact { point: moment / volume, normal, depth }))

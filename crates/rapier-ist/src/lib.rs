@@ -4,6 +4,7 @@ mod against_shape;
 mod candidates;
 mod dispatcher;
 mod hooks;
+mod lookahead;
 mod model;
 mod penalty;
 mod plugin;

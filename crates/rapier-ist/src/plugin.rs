@@ -3,7 +3,7 @@
 use crate::candidates::candidates;
 use crate::hooks::PenaltyHooks;
 use crate::query::contacts;
-use crate::response::{AppliedForces, respond};
+use crate::response::{UserForces, respond};
 use crate::{ContactModel, IstDispatcher, IstShape, StepReport};
 use ist::{InnerSphere, SolidProperties, SpherePacking};
 use rapier3d::geometry::ColliderHandle;
@@ -60,10 +60,10 @@ impl IstPlugin {
                 self.report.query_seconds = start.elapsed().as_secs_f64();
                 let forces = respond(world, contacts, &penalty, &mut self.report.contacts);
                 self.report.solve_seconds = start.elapsed().as_secs_f64() - self.report.query_seconds;
-                let applied = AppliedForces::apply(world, forces);
+                let user_forces = UserForces::suspend(world, forces);
                 let hooks = PenaltyHooks { user: hooks, switched_on: &self.switched_on };
                 world.step_with_events(&hooks, events);
-                applied.take_back(world);
+                user_forces.restore(world);
             }
             ContactModel::VolumeManifold => {
                 self.switch_filters_off(world);

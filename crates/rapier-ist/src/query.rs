@@ -68,5 +68,6 @@ fn to_world(samples: &mut [ContactSample], pose: &Pose, sign: Real) {
     for sample in samples {
         sample.point = *pose * sample.point;
         sample.normal = pose.rotation * sample.normal * sign;
+        sample.separation = pose.rotation * sample.separation * sign;
     }
 }

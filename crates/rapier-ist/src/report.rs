@@ -25,7 +25,7 @@ pub struct PairContact {
     pub collider_b: ColliderHandle,
     /// Overlap volume (m³).
     pub volume: f32,
-    /// Mean penetration depth V/A (m), with A the overlap's cross-section (the length of the volume gradient).
+    /// Penetration depth V/A of the deepest patch (m), with A the patch's cross-section.
     pub depth: f32,
     /// Centroid of the overlap (m).
     pub centroid: Vector,

@@ -9,7 +9,7 @@ use rapier3d::math::{Real, Vector};
 use rapier3d::pipeline::PhysicsWorld;
 
 /// Stiffness of [`Stiffness::Automatic`] in units of weight per cubed size; see [`automatic_stiffness`].
-const RELATIVE_STIFFNESS: f64 = 2e4;
+const RELATIVE_STIFFNESS: f64 = 2e5;
 
 /// Approach speed (m/s, times `length_unit`) under which nothing rebounds, so that resting bodies come to rest.
 const REBOUND_SPEED: f64 = 0.2;
@@ -17,8 +17,15 @@ const REBOUND_SPEED: f64 = 0.2;
 /// Speed (m/s, times `length_unit`) of a contact point from which on it wakes a sleeping body.
 const WAKE_SPEED: f64 = 0.05;
 
-/// Mean force and torque about the centre of mass on one body during the step.
-pub(crate) type BodyForce = (RigidBodyHandle, Screw);
+/// What the contacts do to one body in a step, about its centre of mass.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BodyForce {
+    handle: RigidBodyHandle,
+    /// Mean contact force (N) and torque (N·m).
+    contact: Screw,
+    /// Gravity and the user's own force and torque.
+    external: Screw,
+}
 
 /// Solves for the contact forces of one step and reports them pair by pair.
 pub(crate) fn respond(
@@ -84,6 +91,7 @@ impl Bodies {
 struct Solved {
     pair: usize,
     origin: rapier3d::glamx::DVec3,
+    depth: f64,
     wrench: Screw,
     relative_velocity: Screw,
 }
@@ -101,7 +109,7 @@ fn solve_island(
     let local = |body: usize| used.binary_search(&body).unwrap_or(0);
     let contacts = members.iter().map(|&pair| {
         let states = pairs[pair].map(|body| &bodies.states[body]);
-        PairContacts::new(pairs[pair].map(local), states, materials[pair], &contacts[pair].samples, dt)
+        PairContacts::new(pairs[pair].map(local), states, materials[pair], contacts[pair], dt)
     });
     let contacts = contacts.collect();
     let mut island = Island::new(used.iter().map(|&body| bodies.states[body]).collect(), contacts);
@@ -109,6 +117,7 @@ fn solve_island(
     let solved = members.iter().enumerate().map(|(index, &pair)| Solved {
         pair,
         origin: island.pairs[index].origin,
+        depth: island.pairs[index].depth,
         wrench: island.pair_wrench(index),
         relative_velocity: island.pairs[index].relative_twist(&island.bodies, |i| island.bodies[i].velocity),
     });
@@ -126,19 +135,15 @@ fn collect(
     let mut solved: Vec<Solved> = solved.into_iter().flatten().filter(|s| s.wrench.is_finite()).collect();
     solved.sort_unstable_by_key(|s| s.pair);
     let mut sums = vec![Screw::ZERO; bodies.states.len()];
-    for Solved { pair, origin, wrench, relative_velocity } in solved {
+    for Solved { pair, origin, depth, wrench, relative_velocity } in solved {
         let [a, b] = pairs[pair];
         sums[b] += wrench.wrench_from(origin - bodies.states[b].center_of_mass);
         sums[a] += -wrench.wrench_from(origin - bodies.states[a].center_of_mass);
-        let samples = &contacts[pair].samples;
-        let volume: Real = samples.iter().map(|s| s.volume).sum();
-        let normal = samples.iter().map(|s| s.volume * s.normal).sum::<Vector>().normalize_or_zero();
-        let area: Real = samples.iter().map(|s| s.area * s.normal.dot(normal).max(0.0)).sum();
         report.push(PairContact {
             collider_a: contacts[pair].candidate.colliders[0],
             collider_b: contacts[pair].candidate.colliders[1],
-            volume,
-            depth: (volume / area.max(Real::MIN_POSITIVE)).min(volume.cbrt()),
+            volume: contacts[pair].samples.iter().map(|s| s.volume).sum(),
+            depth: depth as Real,
             centroid: origin.as_vec3(),
             force: wrench.linear.as_vec3(),
             torque: wrench.angular.as_vec3(),
@@ -146,7 +151,10 @@ fn collect(
         });
     }
     let moved = (0..sums.len()).filter(|&i| bodies.states[i].is_movable());
-    moved.filter_map(|i| Some((bodies.handles[i]?, sums[i]))).collect()
+    let force = |i: usize| {
+        Some(BodyForce { handle: bodies.handles[i]?, contact: sums[i], external: bodies.states[i].external })
+    };
+    moved.filter_map(force).collect()
 }
 
 fn material(world: &PhysicsWorld, contact: &Contact, penalty: &VolumePenalty) -> Material {
@@ -210,25 +218,32 @@ fn wake_touched_bodies(world: &mut PhysicsWorld, contacts: &[Contact]) {
     }
 }
 
-/// Forces that were added to bodies for one step, and the user's own forces as they were before.
-pub(crate) struct AppliedForces(Vec<(RigidBodyHandle, Vector, Vector)>);
+/// The user's own forces and torques on the bodies that contacts act on.
+pub(crate) struct UserForces(Vec<(RigidBodyHandle, Vector, Vector)>);
 
-impl AppliedForces {
-    /// Adds `forces` to the user's. As forces and not as impulses: Rapier moves bodies in substeps, and an impulse
-    /// against gravity at the start of the step would lift a resting body on the way.
-    pub(crate) fn apply(world: &mut PhysicsWorld, forces: Vec<BodyForce>) -> Self {
+impl UserForces {
+    /// Gives every body its final velocity now and holds it against gravity and the user's forces during the step.
+    ///
+    /// The solve is for a body that moves at its final velocity through the whole step. Rapier moves bodies in
+    /// substeps and adds external forces bit by bit, so an impulse alone would lift a resting body before gravity
+    /// brings it down again, and a force alone would let an arriving body move on through the contact.
+    pub(crate) fn suspend(world: &mut PhysicsWorld, forces: Vec<BodyForce>) -> Self {
+        let dt = world.integration_parameters.dt;
         let mut before = Vec::with_capacity(forces.len());
-        for (handle, force) in forces {
+        for BodyForce { handle, contact, external } in forces {
             let Some(body) = world.bodies.get_mut(handle) else { continue };
             before.push((handle, body.user_force(), body.user_torque()));
-            body.add_force(force.linear.as_vec3(), false);
-            body.add_torque(force.angular.as_vec3(), false);
+            let impulse = (contact + external) * f64::from(dt);
+            body.apply_impulse(impulse.linear.as_vec3(), false);
+            body.apply_torque_impulse(impulse.angular.as_vec3(), false);
+            body.add_force(-external.linear.as_vec3(), false);
+            body.add_torque(-external.angular.as_vec3(), false);
         }
         Self(before)
     }
 
-    /// Restores the user's forces bit for bit.
-    pub(crate) fn take_back(self, world: &mut PhysicsWorld) {
+    /// Gives the user's forces back, bit for bit.
+    pub(crate) fn restore(self, world: &mut PhysicsWorld) {
         for (handle, force, torque) in self.0 {
             let Some(body) = world.bodies.get_mut(handle) else { continue };
             body.reset_forces(false);

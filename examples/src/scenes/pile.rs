@@ -147,8 +147,8 @@ fn built_in_meshes() -> Result<Vec<(&'static str, TriangleMesh)>> {
         ("bunny", asset("bunny")?),
         ("ring", shapes::ring(0.37, 0.13, [48, 24])),
         ("spider_gear", asset("spider_gear")?),
-        ("cross", shapes::cross(0.5, 0.14)),
-        ("pelvis", asset("pelvis")?),
+        ("hexagonal_nut", shapes::hexagonal_nut(0.86, 0.25, 0.4, 0.06, 48)),
+        ("femur", asset("femur")?),
         ("torus_knot", shapes::torus_knot(2, 3, [0.3, 0.13, 0.07], [160, 20])),
     ])
 }

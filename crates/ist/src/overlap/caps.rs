@@ -53,7 +53,7 @@ impl InnerSphereTree {
                 point: center - outward * along,
                 normal: -outward,
                 volume: PI / 3.0 * h * h * (3.0 * radius - h),
-                area: PI * h * (2.0 * radius - h),
+                separation: outward * (-PI * h * (2.0 * radius - h)),
             });
         }
     }

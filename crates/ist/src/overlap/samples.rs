@@ -23,8 +23,9 @@ pub struct ContactSample {
     pub normal: Vec3,
     /// Volume of the part (m³).
     pub volume: f32,
-    /// Cross-section of the part (m²): how fast its volume falls when the solids separate.
-    pub area: f32,
+    /// Minus the derivative of the part's volume by a translation of B (m²). Zero for a part that stays wholly inside;
+    /// the sum over all parts is the whole overlap's.
+    pub separation: Vec3,
 }
 
 /// Length of a sum of area vectors over the sum of their lengths from which on the sum alone gives the normal.
@@ -95,7 +96,7 @@ impl Lenses {
                 point: lens.centroid * scale,
                 normal: blend.try_normalize().or(lens.axis.try_normalize()).unwrap_or(Vec3::Y),
                 volume: lens.volume * scale * scale * scale,
-                area: lens.area * scale * scale,
+                separation: lens.axis * (lens.area * scale * scale),
             }
         }));
     }

@@ -17,6 +17,8 @@ pub(crate) struct SolverBody {
     /// solve may not move.
     pub(crate) root_linear: DVec3,
     pub(crate) root_angular: DMat3,
+    /// Force and torque that act on the body besides contacts: gravity and the user's own.
+    pub(crate) external: Screw,
     /// The `y` for which `predicted + L y` is the twist before the step: a body at rest stays at rest, which is
     /// where the solve of a resting pile should start.
     pub(crate) unchanged: Screw,
@@ -30,6 +32,7 @@ impl SolverBody {
         predicted: Screw::ZERO,
         root_linear: DVec3::ZERO,
         root_angular: DMat3::ZERO,
+        external: Screw::ZERO,
         unchanged: Screw::ZERO,
     };
 
@@ -51,16 +54,16 @@ impl SolverBody {
         let free = inverse_mass.cmpgt(DVec3::ZERO);
         let gravity = DVec3::select(free, gravity.as_dvec3() * f64::from(body.gravity_scale()), DVec3::ZERO);
         let (force, torque) = (body.user_force().as_dvec3(), body.user_torque().as_dvec3());
-        let acceleration =
-            Screw { linear: gravity + inverse_mass * force, angular: inverse_inertia * torque };
         let root_linear = inverse_mass.map(f64::sqrt);
         let root_angular = cholesky(inverse_inertia);
-        let weight = DVec3::select(free, gravity / root_linear, DVec3::ZERO);
-        let unchanged =
-            Screw { linear: weight + root_linear * force, angular: root_angular.transpose() * torque }
-                * -f64::from(dt);
+        let weight = DVec3::select(free, gravity / inverse_mass, DVec3::ZERO);
+        let external = Screw { linear: weight + force, angular: torque };
+        let acceleration =
+            Screw { linear: gravity + inverse_mass * force, angular: inverse_inertia * torque };
         let predicted = velocity + acceleration * f64::from(dt);
-        Self { center_of_mass, velocity, predicted, root_linear, root_angular, unchanged }
+        let still =
+            Self { center_of_mass, velocity, predicted, root_linear, root_angular, external, ..Self::FIXED };
+        Self { unchanged: still.root_transpose_times(external) * -f64::from(dt), ..still }
     }
 
     /// Whether the solve may change anything about this body.

@@ -1,9 +1,12 @@
 //! The linearly implicit volume penalty.
 //!
-//! With contact samples i of body pair (a, b), unit normals n (a→b), volumes V, cross-sections A and relative velocity
-//! u = v_b − v_a at the sample, the force at the *end* of a step of length h is linearised as
-//! `f = k V − (h k A + k V δ) n·u'`, since V falls by A per unit of separation. With friction
-//! `μ f / max(|u_t|, u_creep)` on the tangents the final velocities solve
+//! Contact samples of body pair (a, b), with unit normals n (a→b) and volumes V, are measured at the poses that the
+//! bodies would reach in a step of length h. The force at the *end* of the step is linearised there:
+//! `f = k V (1 − (h/D + δ) n·(u' − u*))`, with the relative velocities u' at the end of the step and u* that led to
+//! the predicted poses, and the depth D of the patch that the sample belongs to (volume over cross-section, see
+//! [`patch`]): the patch loses its volume when it separates by D. With friction `μ f / max(|u_t|, u_creep)` on the
+//! tangents the final velocities
+//! solve
 //!
 //! `(M + h Σ Jᵀ K J) v' = M v* + h Σ Jᵀ r`, `v* = v + h M⁻¹ (gravity and other forces)`,
 //!
@@ -16,6 +19,7 @@
 mod body;
 mod island;
 mod pair;
+mod patch;
 mod system;
 mod twist;
 

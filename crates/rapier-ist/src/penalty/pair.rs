@@ -1,8 +1,10 @@
 //! The contact of one pair of bodies inside the penalty solve.
 
 use super::body::SolverBody;
+use super::patch::patches;
 use super::twist::{Screw, Symmetric6};
-use ist::ContactSample;
+use crate::lookahead::Displacement;
+use crate::query::Contact;
 use rapier3d::glamx::{DMat3, DVec3};
 
 /// Material of a pair of colliders, after Rapier's combine rules.
@@ -27,6 +29,8 @@ pub(crate) struct PairContacts {
     pub(crate) bodies: [usize; 2],
     /// Point of reference of `offset` and `damping`: the centroid of the overlap, world frame.
     pub(crate) origin: DVec3,
+    /// Depth of the deepest patch (m).
+    pub(crate) depth: f64,
     material: Material,
     samples: Vec<Sample>,
     /// Wrench on b at zero relative velocity.
@@ -40,58 +44,59 @@ struct Sample {
     /// From the origin of the pair.
     arm: DVec3,
     normal: DVec3,
-    /// k V.
-    push: f64,
-    /// h k A + k V δ.
+    /// k V (h/D + δ), with the depth D of the patch.
     damping: f64,
-    /// Normal velocity wanted after a rebound.
-    rebound: f64,
+    /// Final normal velocity (m/s) at which the force is zero.
+    free_speed: f64,
     /// Normal force at the end of the step as last computed; zero where the contact lets go.
     force: f64,
     slip: f64,
 }
 
 impl PairContacts {
-    /// From samples in the world frame; `dt` is the time step (s).
+    /// From the samples of `contact`, measured at the predicted poses; `dt` is the time step (s).
     pub(crate) fn new(
         bodies: [usize; 2],
         states: [&SolverBody; 2],
         material: Material,
-        samples: &[ContactSample],
+        contact: &Contact,
         dt: f64,
     ) -> Self {
-        let volume: f64 = samples.iter().map(|s| f64::from(s.volume)).sum();
-        let moment: DVec3 = samples.iter().map(|s| s.point.as_dvec3() * f64::from(s.volume)).sum();
+        let volume: f64 = contact.samples.iter().map(|s| f64::from(s.volume)).sum();
+        let moment: DVec3 = contact.samples.iter().map(|s| s.point.as_dvec3() * f64::from(s.volume)).sum();
+        let [displacement_a, displacement_b] = contact.candidate.displacements;
+        let back = backtracking(states, contact.candidate.displacements);
         let origin = moment / volume.max(f64::MIN_POSITIVE);
-        let before = relative_twist(states, origin, |body| body.velocity);
-        let predicted = relative_twist(states, origin, |body| body.predicted);
-        let k = material.stiffness;
-        let samples = samples.iter().map(|s| {
-            let arm = s.point.as_dvec3() - origin;
+        let origin = origin - back(origin);
+        let before = relative_twist(states, origin);
+        let patches = patches(&contact.samples);
+        let depth = patches.iter().map(|patch| patch.depth).fold(0.0, f64::max);
+        let samples = patches.iter().flat_map(|patch| patch.samples.iter().map(|&s| (s, patch.depth)));
+        let samples = samples.map(|(s, depth)| {
+            let point = s.point.as_dvec3();
+            let arm = point - back(point) - origin;
             let normal = s.normal.as_dvec3();
-            let push = k * f64::from(s.volume);
-            let approach = before.twist_at(arm).linear.dot(normal);
+            let velocity = before.twist_at(arm).linear;
+            let approach = velocity.dot(normal);
+            let rate = dt / depth + material.dissipation;
+            let moved = (displacement_b.at(point) - displacement_a.at(point)).dot(normal) / dt;
+            let damping = material.stiffness * f64::from(s.volume) * rate;
             let rebounds = material.restitution > 0.0 && approach < -material.rebound_speed;
-            Sample {
-                arm,
-                normal,
-                push,
-                damping: dt * k * f64::from(s.area) + push * material.dissipation,
-                rebound: if rebounds { -material.restitution * approach } else { 0.0 },
-                force: push,
-                slip: slip(predicted.twist_at(arm).linear, normal),
-            }
+            let rebound = if rebounds { -material.restitution * approach } else { f64::NEG_INFINITY };
+            let free_speed = (moved + 1.0 / rate).max(rebound);
+            let force = (damping * (free_speed - approach)).max(0.0);
+            Sample { arm, normal, damping, free_speed, force, slip: slip(velocity, normal) }
         });
         let samples = samples.collect();
         let mut pair =
-            Self { bodies, origin, material, samples, offset: Screw::ZERO, damping: Symmetric6::ZERO };
+            Self { bodies, origin, depth, material, samples, offset: Screw::ZERO, damping: Symmetric6::ZERO };
         pair.assemble();
         pair
     }
 
     /// Linearises the wrench about the forces and slips of the last pass.
     ///
-    /// Per sample the force on b is `n (k V − c_n n·u) − c_t (u − n n·u)` with `c_n = h k A + k V δ` and the
+    /// Per sample the force on b is `n c_n (u_0 − n·u) − c_t (u − n n·u)` with `c_n = k V (h/D + δ)` and the
     /// regularised Coulomb coefficient `c_t = μ f / max(|u_t|, u_creep)` of the last pass.
     fn assemble(&mut self) {
         (self.offset, self.damping) = (Screw::ZERO, Symmetric6::ZERO);
@@ -100,7 +105,7 @@ impl PairContacts {
             let outer = DMat3::from_cols(s.normal * s.normal.x, s.normal * s.normal.y, s.normal * s.normal.z);
             let damper = outer * (s.damping - tangential) + DMat3::from_diagonal(DVec3::splat(tangential));
             self.damping.add_damper(damper, s.arm);
-            let force = s.normal * (s.push + s.damping * s.rebound);
+            let force = s.normal * (s.damping * s.free_speed);
             self.offset += Screw { linear: force, angular: s.arm.cross(force) };
         }
     }
@@ -111,7 +116,7 @@ impl PairContacts {
         let (mut change, mut total) = (0.0_f64, 0.0);
         for s in &mut self.samples {
             let velocity = twist.twist_at(s.arm).linear;
-            let force = (s.push - s.damping * (velocity.dot(s.normal) - s.rebound)).max(0.0);
+            let force = (s.damping * (s.free_speed - velocity.dot(s.normal))).max(0.0);
             change = change.max((force - s.force).abs());
             total += force;
             s.force = force;
@@ -138,8 +143,22 @@ impl PairContacts {
     }
 }
 
-fn relative_twist(states: [&SolverBody; 2], at: DVec3, of: impl Fn(&SolverBody) -> Screw) -> Screw {
-    let [a, b] = states.map(|body| of(body).twist_at(at - body.center_of_mass));
+/// How far a point of the predicted contact lies from where the wrench acts on the bodies as they are now.
+///
+/// The point has moved with both bodies. Where only one of them can move its motion counts, for two the mean: both
+/// feel the wrench at one point, so that momentum and angular momentum are kept exactly.
+fn backtracking(states: [&SolverBody; 2], displacements: [Displacement; 2]) -> impl Fn(DVec3) -> DVec3 {
+    let weights = match states.map(SolverBody::is_movable) {
+        [true, false] => [1.0, 0.0],
+        [false, true] => [0.0, 1.0],
+        _ => [0.5, 0.5],
+    };
+    move |point| displacements[0].at(point) * weights[0] + displacements[1].at(point) * weights[1]
+}
+
+/// Velocity of the second body relative to the first at `at`, before the step.
+fn relative_twist(states: [&SolverBody; 2], at: DVec3) -> Screw {
+    let [a, b] = states.map(|body| body.velocity.twist_at(at - body.center_of_mass));
     b - a
 }
 

@@ -1,0 +1,77 @@
+//! Where colliders will be at the end of the step if nothing stops them.
+//!
+//! The implicit step needs the contact forces at the end of the step. Overlap is therefore measured at the predicted
+//! poses, not at the present ones: a body that arrives during the step is stopped where it touches, instead of
+//! being found deep inside one step too late.
+
+use crate::penalty::Screw;
+use rapier3d::dynamics::{RigidBody, RigidBodyType};
+use rapier3d::geometry::Shape;
+use rapier3d::glamx::DVec3;
+use rapier3d::math::{Pose, Real, Rotation, Vector};
+
+/// A small rigid displacement about a body's centre of mass.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Displacement {
+    /// Centre of mass before (m), world frame.
+    center: DVec3,
+    /// Translation of the centre of mass (m) and rotation vector (rad).
+    screw: Screw,
+}
+
+impl Displacement {
+    /// What `body` would do in `dt` seconds under gravity and the user's forces, cut short where that is more than
+    /// half the thickness of `shape`: beyond, an overlap no longer tells on which side the shape came in.
+    pub(crate) fn of(body: &RigidBody, shape: &dyn Shape, gravity: Vector, dt: Real) -> Self {
+        let center = body.center_of_mass().as_dvec3();
+        let screw = match body.body_type() {
+            _ if body.is_sleeping() || body.is_fixed() => Screw::ZERO,
+            RigidBodyType::KinematicPositionBased => target(body),
+            _ => predicted_twist(body, gravity, dt) * f64::from(dt),
+        };
+        if !screw.is_finite() {
+            return Self { center, screw: Screw::ZERO };
+        }
+        let radius = f64::from(shape.compute_local_bounding_sphere().radius);
+        let reach = screw.linear.length() + screw.angular.length() * radius;
+        let limit = f64::from(shape.ccd_thickness());
+        let share = if reach > limit { limit / reach } else { 1.0 };
+        Self { center, screw: screw * share }
+    }
+
+    /// `pose` after the displacement.
+    pub(crate) fn apply(&self, pose: &Pose) -> Pose {
+        let turn = Rotation::from_scaled_axis(self.screw.angular.as_vec3());
+        let center = self.center.as_vec3();
+        let moved = center + self.screw.linear.as_vec3() + turn * (pose.translation - center);
+        Pose::from_parts(moved, (turn * pose.rotation).normalize())
+    }
+
+    /// How far the point that ends up at `point` has moved (m).
+    pub(crate) fn at(&self, point: DVec3) -> DVec3 {
+        self.screw.linear + self.screw.angular.cross(point - self.center - self.screw.linear)
+    }
+}
+
+/// Twist of `body` after `dt` seconds of gravity and user forces.
+fn predicted_twist(body: &RigidBody, gravity: Vector, dt: Real) -> Screw {
+    let mass = body.mass_properties();
+    let free = mass.effective_inv_mass.cmpgt(Vector::ZERO);
+    let gravity = Vector::select(free, gravity * body.gravity_scale(), Vector::ZERO);
+    let linear = gravity + mass.effective_inv_mass * body.user_force();
+    let angular = mass.effective_world_inv_inertia * body.user_torque();
+    Screw {
+        linear: (body.linvel() + linear * dt).as_dvec3(),
+        angular: (body.angvel() + angular * dt).as_dvec3(),
+    }
+}
+
+/// Displacement of a position-based kinematic body to its next position.
+fn target(body: &RigidBody) -> Screw {
+    let (now, next) = (body.position(), body.next_position());
+    let center = body.local_center_of_mass();
+    Screw {
+        linear: (*next * center - *now * center).as_dvec3(),
+        angular: (next.rotation * now.rotation.inverse()).to_scaled_axis().as_dvec3(),
+    }
+}
