@@ -4,7 +4,7 @@ use super::field::{Candidate, Field, Scratch};
 use glam::DVec3;
 
 /// A leaf is a cell whose half diagonal is at most this share of the radius sought.
-pub(super) const LEAF: f64 = 0.5;
+pub(super) const LEAF: f64 = 0.85;
 /// How far an ascent may leave its cell, in half diagonals.
 pub(super) const REACH: f64 = 1.5;
 
@@ -54,23 +54,18 @@ impl Cell {
         let [lower, upper] = self.surface;
         let known = self.clearance.min(upper * (1.0 + 1e-6));
         let to_balls = field.balls.clearance(self.center, known);
-        if to_balls <= lower || to_balls <= 0.0 {
-            self.clearance = to_balls;
+        self.clearance = to_balls;
+        if to_balls <= lower || to_balls <= 0.0 || lower == upper {
             return;
         }
-        if lower == upper {
-            self.clearance = self.clearance.min(to_balls);
-            return;
-        }
-        match field.solid.closest_point_within(self.center, to_balls) {
+        // Balls lie inside: from a point outside, the surface is nearer than any of them.
+        let bound = if to_balls < known { to_balls } else { upper * (1.0 + 1e-6) };
+        match field.solid.closest_point_within(self.center, bound) {
             Some(nearest) => {
-                self.clearance = nearest.depth;
+                self.clearance = to_balls.min(nearest.depth);
                 self.surface = [nearest.depth.abs(); 2];
             }
-            None => {
-                self.clearance = to_balls;
-                self.surface[0] = to_balls;
-            }
+            None => self.surface[0] = bound.min(upper),
         }
     }
 
@@ -82,7 +77,7 @@ impl Cell {
         (0..8).map(move |i| {
             let side = |bit: i32| if i >> bit & 1 == 1 { half } else { -half };
             let center = self.center + DVec3::new(side(0), side(1), side(2));
-            Self { center, half, clearance: f64::INFINITY, surface, candidate: None }
+            Self { center, half, clearance: self.clearance + offset, surface, candidate: None }
         })
     }
 }
@@ -112,7 +107,7 @@ pub(super) fn visit(mut cell: Cell, radius: f64, field: &Field, scratch: &mut Sc
         cell.candidate = Some(field.ascend(cell.center, cell.clearance, reach, scratch));
     }
     match cell.candidate {
-        Some(c) if c.radius >= radius && !c.at_boundary => out.proposals.push(cell),
+        Some(k) if k.radius >= radius && !k.at_boundary => out.proposals.push(cell),
         Some(c) => {
             // At the boundary the better place belongs to another cell: look again in the next round.
             out.later.push((cell, c.radius.min(bound)));
