@@ -86,7 +86,8 @@ fn export(cell: &Cell, field: &Field) -> Option<Ball> {
     let center = candidate.center.as_vec3().as_dvec3();
     let clearance = field.clearance(center, 2.0 * candidate.radius);
     let radius = round_down(clearance);
-    (radius > 0.0).then_some(Ball { center, radius: f64::from(radius) })
+    // Where the surface cuts itself, its nearest point can misjudge the side.
+    (radius > 0.0 && field.solid.winds_around(center)).then_some(Ball { center, radius: f64::from(radius) })
 }
 
 /// The largest f32 that is not larger than `x`.

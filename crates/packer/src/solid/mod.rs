@@ -185,7 +185,22 @@ impl Solid {
         self.mesh.corners(triangle as usize)
     }
 
+    /// Whether the surface winds around `p`, by the majority of three rays; slower than
+    /// [`Self::contains`], but independent of which surface point is nearest.
+    pub(crate) fn winds_around(&self, p: DVec3) -> bool {
+        // Directions that no modelled edge or face is aligned with.
+        let rays = [
+            DVec3::new(0.531_702, 0.274_161, 0.801_343),
+            DVec3::new(-0.661_329, 0.722_457, 0.201_711),
+            DVec3::new(0.172_343, -0.812_929, -0.556_261),
+        ];
+        rays.iter().filter(|ray| self.bvh.winding(p, **ray) != 0).count() >= 2
+    }
+
     fn is_outside(&self, p: DVec3, nearest: &Nearest) -> bool {
+        if self.pseudonormals.is_doubtful(nearest.triangle) {
+            return !self.winds_around(p);
+        }
         (p - nearest.point).dot(self.pseudonormals.at(nearest.triangle, nearest.feature)) > 0.0
     }
 }
