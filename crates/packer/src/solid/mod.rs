@@ -198,7 +198,7 @@ impl Solid {
     }
 
     fn is_outside(&self, p: DVec3, nearest: &Nearest) -> bool {
-        if self.pseudonormals.is_doubtful(nearest.triangle) {
+        if self.pseudonormals.is_doubtful(nearest.triangle, nearest.feature) {
             return !self.winds_around(p);
         }
         (p - nearest.point).dot(self.pseudonormals.at(nearest.triangle, nearest.feature)) > 0.0

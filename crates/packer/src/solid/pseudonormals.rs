@@ -7,7 +7,7 @@
 //!
 //! Two departures. Files round coordinates, and a sliver that is folded over by rounding makes the surface
 //! cut itself, where the theorem no longer holds: on a gear of 11,840 triangles 2 of a million points came out
-//! with the wrong sign, and one ball with them. Faces at an edge folded by more than 120° are therefore marked
+//! with the wrong sign, and one ball with them. Faces at an edge folded by more than 150° are therefore marked
 //! as doubtful, and the caller counts crossings instead. And where two cones of faces touch in one vertex, each cone has its own pseudonormal, which
 //! is why they are stored per corner of a triangle and not per vertex.
 
@@ -21,12 +21,12 @@ pub(super) struct Pseudonormals {
     faces: Vec<DVec3>,
     edges: Vec<[DVec3; 3]>,
     corners: Vec<[DVec3; 3]>,
-    /// Whether a corner's fan has a face at a sharply folded edge.
-    doubtful: Vec<[bool; 3]>,
+    /// Whether a face lies at a folded edge; whether a corner's fan has such a face.
+    folded: Vec<(bool, [bool; 3])>,
 }
 
 /// Cosine of the angle between neighbouring normals under which the edge may be a fold.
-const FOLD: f64 = -0.5;
+const FOLD: f64 = -0.9;
 
 impl Pseudonormals {
     pub(super) fn new(mesh: &TriangleMesh, neighbours: &Neighbours) -> Self {
@@ -63,13 +63,20 @@ impl Pseudonormals {
                 }
             }
         }
-        Self { faces, edges, corners, doubtful }
+        let folded = folded.into_iter().zip(doubtful).collect();
+        Self { faces, edges, corners, folded }
     }
 
-    /// Whether the pseudonormals of a triangle cannot be trusted.
+    /// Whether the pseudonormal of a feature cannot be trusted.
     #[inline]
-    pub(super) fn is_doubtful(&self, triangle: u32) -> bool {
-        self.doubtful[triangle as usize].contains(&true)
+    pub(super) fn is_doubtful(&self, triangle: u32, feature: Feature) -> bool {
+        let (face, corners) = self.folded[triangle as usize];
+        match feature {
+            Feature::Face => face,
+            // Both faces of an edge are in the fans of both its corners.
+            Feature::Edge(i) => corners[usize::from(i)] && corners[(usize::from(i) + 1) % 3],
+            Feature::Corner(i) => corners[usize::from(i)],
+        }
     }
 
     #[inline]
