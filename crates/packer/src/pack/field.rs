@@ -32,9 +32,11 @@ const ARRIVED: f64 = 1e-4;
 /// Ascents arrive after 4 evaluations in the mean; the few that wander are cut off.
 const MAX_EVALUATIONS: usize = 16;
 
-/// Buffers of [`Field::ascend`], kept between calls.
+/// Buffers, kept between calls.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
+    /// Balls near the cell that is refined.
+    pub(super) nearby: Vec<Ball>,
     balls: Vec<Ball>,
     triangles: Vec<(u32, [DVec3; 3])>,
     planes: Vec<Plane>,
@@ -67,7 +69,7 @@ impl Field<'_> {
         reach: f64,
         scratch: &mut Scratch,
     ) -> Candidate {
-        let Scratch { balls, triangles, planes } = scratch;
+        let Scratch { balls, triangles, planes, .. } = scratch;
         self.balls.gather(start, clearance + 2.0 * reach, balls);
         triangles.clear();
         let add = |p: DVec3, bound: f64, triangles: &mut Vec<(u32, [DVec3; 3])>| {
