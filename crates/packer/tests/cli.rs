@@ -1,4 +1,5 @@
 //! The program `packer`, from outside.
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 #![cfg(feature = "cli")]
 
 mod common;

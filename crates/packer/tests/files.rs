@@ -1,4 +1,5 @@
 //! Mesh files of every format, and files that are none.
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
 mod common;
 

@@ -5,9 +5,12 @@ use super::field::{Candidate, Field, Scratch};
 use crate::Solid;
 use glam::DVec3;
 
-/// A leaf is a cell whose half diagonal is at most this share of the radius sought.
+/// A leaf is a cell whose half diagonal is at most this share of the radius sought. On the five assets 0.4 to
+/// 0.85 filled the same to 0.3 points at 3,000 balls, 0.85 in half the time of 0.4; 1.0 lost up to 1.3 points
+/// at 100 balls on the spider gear.
 pub(super) const LEAF: f64 = 0.85;
-/// How far an ascent may leave its cell, in half diagonals.
+/// How far an ascent may leave its cell, in half diagonals. 1.0 was a quarter faster and lost 2 points at 100
+/// balls on the bunny, 0.8 at 1,000.
 pub(super) const REACH: f64 = 1.5;
 
 /// A cube of space in which a ball's centre may still lie.

@@ -26,10 +26,10 @@ pub(super) struct Candidate {
     pub(super) at_boundary: bool,
 }
 
-/// Relative gain of the linear model under which an ascent has arrived. 1e-3 cost 0.1 points of coverage on
-/// the gears, 1e-6 gained nothing.
+/// Relative gain of the linear model under which an ascent has arrived; 1e-4 of the radius is 0.03 % of the
+/// ball's volume.
 const ARRIVED: f64 = 1e-4;
-/// Ascents arrive after 4 evaluations in the mean; the few that wander are cut off.
+/// Most ascents arrive after a handful of evaluations; those that wander are cut off.
 const MAX_EVALUATIONS: usize = 16;
 
 /// Buffers, kept between calls.
@@ -99,7 +99,7 @@ impl Field<'_> {
             }));
             let (center, radius) = if trust < reach { (DVec3::ZERO, trust) } else { (start - x, reach) };
             let top = ascent::climb(planes, center, radius);
-            if !(top.value - at.radius > ARRIVED * at.radius) {
+            if top.value - at.radius <= ARRIVED * at.radius {
                 at.at_boundary = top.at_boundary && top.value > at.radius * (1.0 + 1e-9);
                 break;
             }

@@ -23,6 +23,7 @@ pub(super) struct Pseudonormals {
     corners: Vec<[DVec3; 3]>,
     /// Whether a face lies at a folded edge; whether a corner's fan has such a face.
     folded: Vec<(bool, [bool; 3])>,
+    has_folds: bool,
 }
 
 /// Cosine of the angle between neighbouring normals under which the edge may be a fold.
@@ -45,7 +46,7 @@ impl Pseudonormals {
         let folded: Vec<bool> = neighbours
             .iter()
             .zip(&faces)
-            .map(|(others, normal)| others.iter().any(|other| !(normal.dot(faces[*other as usize]) > FOLD)))
+            .map(|(others, normal)| others.iter().any(|other| normal.dot(faces[*other as usize]) <= FOLD))
             .collect();
         let mut doubtful = vec![[false; 3]; faces.len()];
         let mut seen = vec![[false; 3]; faces.len()];
@@ -63,8 +64,14 @@ impl Pseudonormals {
                 }
             }
         }
+        let has_folds = folded.contains(&true);
         let folded = folded.into_iter().zip(doubtful).collect();
-        Self { faces, edges, corners, folded }
+        Self { faces, edges, corners, folded, has_folds }
+    }
+
+    /// Whether any face lies at a folded edge.
+    pub(super) fn has_folds(&self) -> bool {
+        self.has_folds
     }
 
     /// Whether the pseudonormal of a feature cannot be trusted.
