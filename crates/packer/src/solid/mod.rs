@@ -31,7 +31,7 @@ pub struct Solid {
 /// What was found, and mended, in a mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Diagnosis {
-    /// Vertices and triangles as they came.
+    /// Vertices as they came.
     pub input_vertices: usize,
     /// Triangles as they came.
     pub input_triangles: usize,
