@@ -1,4 +1,28 @@
 //! Fills closed triangle meshes with disjoint inner spheres that carry the volume of their power cell.
+//!
+//! ```no_run
+//! use packer::{PackOptions, Solid, TriangleMesh, pack};
+//!
+//! let mesh = TriangleMesh::load("bunny.obj")?;
+//! let solid = Solid::new(&mesh)?;
+//! let packed = pack(&solid, &PackOptions::balanced())?;
+//! println!("{} spheres fill {:.1} %", packed.report.spheres, 100.0 * packed.report.coverage);
+//! std::fs::write("bunny.ist", packed.packing.to_bytes())?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! - [`TriangleMesh::load`] reads OBJ, STL, PLY and glTF.
+//! - [`Solid::new`] mends what can be mended, refuses what has no inside and says why.
+//! - [`pack()`] places the balls. Every ball lies inside the mesh and apart from all others, as exported in
+//!   single precision; the cells tile the solid; a larger packing begins with the smaller one; and the
+//!   result is the same bit by bit for any number of threads.
+//!
+//! # Limits
+//! The surface must be closed and every edge must have two faces. Where a surface cuts itself, a ball is kept only
+//! if the surface winds around its centre, but balls do not cross the inner sheets.
+//!
+//! # Features
+//! - `cli` (default): the program `packer`. Libraries that pack at load time turn it off.
 
 mod error;
 mod load;

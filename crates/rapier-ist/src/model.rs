@@ -26,13 +26,16 @@ pub struct VolumePenalty {
     /// Hunt–Crossley dissipation (s/m): the damping force is `k V δ` per m/s of approach. The implicit step
     /// already takes energy out of a contact; 0 by default.
     pub dissipation: Real,
+    /// Fastest that overlap alone pushes bodies apart (m/s, times Rapier's `length_unit`), positive. Faster recovery
+    /// is damped; the force on bodies at rest stays the same.
+    pub recovery_speed: Real,
     /// Slip speed (m/s, times Rapier's `length_unit`) under which Coulomb friction goes over into viscous creep.
     pub creep_speed: Real,
 }
 
 impl Default for VolumePenalty {
     fn default() -> Self {
-        Self { stiffness: Stiffness::Automatic, dissipation: 0.0, creep_speed: 1e-3 }
+        Self { stiffness: Stiffness::Automatic, dissipation: 0.0, recovery_speed: 1.0, creep_speed: 1e-3 }
     }
 }
 

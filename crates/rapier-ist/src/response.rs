@@ -180,6 +180,7 @@ fn material(world: &PhysicsWorld, contact: &Contact, penalty: &VolumePenalty) ->
         .clamp(0.0, 1.0)
         .into(),
         creep_speed: (f64::from(penalty.creep_speed) * unit).max(f64::MIN_POSITIVE),
+        recovery_speed: (f64::from(penalty.recovery_speed) * unit).max(f64::MIN_POSITIVE),
         rebound_speed: REBOUND_SPEED * unit,
     }
 }

@@ -25,7 +25,7 @@ impl InnerSphereTree {
     /// The overlap of this solid (A) with a solid B of the given signed distance, both in A's frame, as one sample
     /// per ball that B cuts, appended to `samples`.
     ///
-    /// `surface` must be 1-Lipschitz, as distances are; it is asked once per visited node.
+    /// `surface` must be 1-Lipschitz, as distances are.
     pub fn contact_samples_with(
         &self,
         mut surface: impl FnMut(Vec3) -> SurfaceDistance,
@@ -34,17 +34,21 @@ impl InnerSphereTree {
         let data = self.data();
         // Deep enough for eight children on each of the at most eleven levels of 2³¹ spheres.
         let mut pending = Vec::with_capacity(11 * WIDTH);
-        pending.push((data.height(), 0));
-        while let Some((level, node)) = pending.pop() {
+        pending.push((data.height(), 0, Vec3::ZERO, f32::NEG_INFINITY));
+        while let Some((level, node, parent, parent_distance)) = pending.pop() {
             let (center, radius) = data.levels[level].get(node);
             let (center, radius) = (center * self.scale(), radius * self.scale());
+            // Distances change by no more than the way: most nodes need not be asked about.
+            if parent_distance - center.distance(parent) >= radius {
+                continue;
+            }
             let SurfaceDistance { distance, outward } = surface(center);
             if distance >= radius {
                 continue;
             }
             if level > 0 {
                 let end = data.levels[level - 1].len().min((node + 1) * WIDTH);
-                pending.extend((node * WIDTH..end).rev().map(|child| (level - 1, child)));
+                pending.extend((node * WIDTH..end).rev().map(|child| (level - 1, child, center, distance)));
                 continue;
             }
             let h = (radius - distance).min(2.0 * radius);

@@ -1,11 +1,16 @@
 //! Octree cells, sorted into buckets by the largest ball that may still fit.
 
+use super::ball_grid::Ball;
 use super::field::{Candidate, Field, Scratch};
+use crate::Solid;
 use glam::DVec3;
 
-/// A leaf is a cell whose half diagonal is at most this share of the radius sought.
-pub(super) const LEAF: f64 = 0.5;
-/// How far an ascent may leave its cell, in half diagonals.
+/// A leaf is a cell whose half diagonal is at most this share of the radius sought. On the five assets 0.4 to
+/// 0.85 filled the same to 0.3 points at 3,000 balls, 0.85 in half the time of 0.4; 1.0 lost up to 1.3 points
+/// at 100 balls on the spider gear.
+pub(super) const LEAF: f64 = 0.85;
+/// How far an ascent may leave its cell, in half diagonals. 1.0 was a quarter faster and lost 2 points at 100
+/// balls on the bunny, 0.8 at 1,000.
 pub(super) const REACH: f64 = 1.5;
 
 /// A cube of space in which a ball's centre may still lie.
@@ -49,28 +54,39 @@ impl Cell {
         self.candidate.as_ref()
     }
 
-    /// Brings [`Self::clearance`] up to date.
+    /// Brings [`Self::clearance`] up to date with all balls.
     pub(super) fn update(&mut self, field: &Field) {
-        let [lower, upper] = self.surface;
-        let known = self.clearance.min(upper * (1.0 + 1e-6));
+        let known = self.known();
         let to_balls = field.balls.clearance(self.center, known);
-        if to_balls <= lower || to_balls <= 0.0 {
-            self.clearance = to_balls;
+        self.refresh(field.solid, known, to_balls);
+    }
+
+    /// As [`Self::update`], where `balls` holds all that can be nearest to a point of the cell.
+    fn update_among(&mut self, balls: &[Ball], solid: &Solid) {
+        let known = self.known();
+        let to_balls = balls.iter().fold(known, |nearest, ball| nearest.min(ball.distance(self.center)));
+        self.refresh(solid, known, to_balls);
+    }
+
+    /// What the clearance cannot exceed.
+    fn known(&self) -> f64 {
+        self.clearance.min(self.surface[1] * (1.0 + 1e-6))
+    }
+
+    fn refresh(&mut self, solid: &Solid, known: f64, to_balls: f64) {
+        let [lower, upper] = self.surface;
+        self.clearance = to_balls;
+        if to_balls <= lower || to_balls <= 0.0 || lower == upper {
             return;
         }
-        if lower == upper {
-            self.clearance = self.clearance.min(to_balls);
-            return;
-        }
-        match field.solid.closest_point_within(self.center, to_balls) {
+        // Balls lie inside: from a point outside, the surface is nearer than any of them.
+        let bound = if to_balls < known { to_balls } else { upper * (1.0 + 1e-6) };
+        match solid.closest_point_within(self.center, bound) {
             Some(nearest) => {
-                self.clearance = nearest.depth;
+                self.clearance = to_balls.min(nearest.depth);
                 self.surface = [nearest.depth.abs(); 2];
             }
-            None => {
-                self.clearance = to_balls;
-                self.surface[0] = to_balls;
-            }
+            None => self.surface[0] = bound.min(upper),
         }
     }
 
@@ -82,7 +98,7 @@ impl Cell {
         (0..8).map(move |i| {
             let side = |bit: i32| if i >> bit & 1 == 1 { half } else { -half };
             let center = self.center + DVec3::new(side(0), side(1), side(2));
-            Self { center, half, clearance: f64::INFINITY, surface, candidate: None }
+            Self { center, half, clearance: self.clearance + offset, surface, candidate: None }
         })
     }
 }
@@ -90,17 +106,46 @@ impl Cell {
 /// Refines `cell` until its parts either propose a ball of at least `radius` or cannot hold one.
 pub(super) fn visit(mut cell: Cell, radius: f64, field: &Field, scratch: &mut Scratch, out: &mut Visit) {
     cell.update(field);
+    if cell.bound() < radius || cell.half_diagonal() <= LEAF * radius {
+        settle(cell, radius, field, scratch, out);
+        return;
+    }
+    // One look at the grid serves all descendants: a point of the cell is within h of the centre, and the
+    // clearance there is at most f + h.
+    let mut balls = std::mem::take(&mut scratch.nearby);
+    field.balls.gather(cell.center, cell.clearance + 2.0 * cell.half_diagonal(), &mut balls);
+    refine(&cell, &balls, radius, &mut Work { field, scratch, out });
+    scratch.nearby = balls;
+}
+
+/// What the descendants of a cell share.
+struct Work<'a, 'f> {
+    field: &'a Field<'f>,
+    scratch: &'a mut Scratch,
+    out: &'a mut Visit,
+}
+
+fn refine(cell: &Cell, balls: &[Ball], radius: f64, work: &mut Work) {
+    for mut child in cell.children() {
+        child.update_among(balls, work.field.solid);
+        if child.bound() < radius || child.half_diagonal() <= LEAF * radius {
+            settle(child, radius, work.field, work.scratch, work.out);
+        } else {
+            let reach = child.clearance + 2.0 * child.half_diagonal();
+            let near = |ball: &&Ball| ball.distance(child.center) < reach;
+            let balls: Vec<Ball> = balls.iter().filter(near).copied().collect();
+            refine(&child, &balls, radius, work);
+        }
+    }
+}
+
+/// Files an up-to-date cell that is not refined further.
+fn settle(mut cell: Cell, radius: f64, field: &Field, scratch: &mut Scratch, out: &mut Visit) {
     let bound = cell.bound();
     if bound < radius {
         // A cell inside a ball or outside the solid is done with.
         if bound > 0.0 {
             out.later.push((cell, bound));
-        }
-        return;
-    }
-    if cell.half_diagonal() > LEAF * radius {
-        for child in cell.children() {
-            visit(child, radius, field, scratch, out);
         }
         return;
     }
@@ -112,7 +157,7 @@ pub(super) fn visit(mut cell: Cell, radius: f64, field: &Field, scratch: &mut Sc
         cell.candidate = Some(field.ascend(cell.center, cell.clearance, reach, scratch));
     }
     match cell.candidate {
-        Some(c) if c.radius >= radius && !c.at_boundary => out.proposals.push(cell),
+        Some(k) if k.radius >= radius && !k.at_boundary => out.proposals.push(cell),
         Some(c) => {
             // At the boundary the better place belongs to another cell: look again in the next round.
             out.later.push((cell, c.radius.min(bound)));

@@ -26,15 +26,17 @@ pub(super) struct Candidate {
     pub(super) at_boundary: bool,
 }
 
-/// Relative gain of the linear model under which an ascent has arrived. 1e-3 cost 0.1 points of coverage on
-/// the gears, 1e-6 gained nothing.
+/// Relative gain of the linear model under which an ascent has arrived; 1e-4 of the radius is 0.03 % of the
+/// ball's volume.
 const ARRIVED: f64 = 1e-4;
-/// Ascents arrive after 4 evaluations in the mean; the few that wander are cut off.
+/// Most ascents arrive after a handful of evaluations; those that wander are cut off.
 const MAX_EVALUATIONS: usize = 16;
 
-/// Buffers of [`Field::ascend`], kept between calls.
+/// Buffers, kept between calls.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
+    /// Balls near the cell that is refined.
+    pub(super) nearby: Vec<Ball>,
     balls: Vec<Ball>,
     triangles: Vec<(u32, [DVec3; 3])>,
     planes: Vec<Plane>,
@@ -67,7 +69,7 @@ impl Field<'_> {
         reach: f64,
         scratch: &mut Scratch,
     ) -> Candidate {
-        let Scratch { balls, triangles, planes } = scratch;
+        let Scratch { balls, triangles, planes, .. } = scratch;
         self.balls.gather(start, clearance + 2.0 * reach, balls);
         triangles.clear();
         let add = |p: DVec3, bound: f64, triangles: &mut Vec<(u32, [DVec3; 3])>| {
@@ -97,7 +99,7 @@ impl Field<'_> {
             }));
             let (center, radius) = if trust < reach { (DVec3::ZERO, trust) } else { (start - x, reach) };
             let top = ascent::climb(planes, center, radius);
-            if !(top.value - at.radius > ARRIVED * at.radius) {
+            if top.value - at.radius <= ARRIVED * at.radius {
                 at.at_boundary = top.at_boundary && top.value > at.radius * (1.0 + 1e-9);
                 break;
             }

@@ -73,7 +73,11 @@ impl PackOptions {
         self
     }
 
-    pub(super) fn validate(&self) -> Result<(), PackError> {
+    /// Refuses options that no packing meets; [`crate::pack`] asks this too.
+    ///
+    /// # Errors
+    /// [`PackError`] names the option that is out of range.
+    pub fn validate(&self) -> Result<(), PackError> {
         if self.spheres == 0 {
             return Err(PackError::NoSpheresAsked);
         }

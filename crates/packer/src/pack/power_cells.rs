@@ -15,8 +15,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Boxes along each side that are shared out as tasks.
+/// Doublings after which the boxes are shared out as tasks.
 const TASK_LEVEL: u32 = 3;
+/// Most doublings of the lattice.
+const FINEST: u32 = 12;
 
 /// Volumes of the cells of `balls`, summing to the volume of `solid`, for about `samples` gap samples.
 pub(super) fn volumes(solid: &Solid, balls: &[Ball], samples: usize) -> Vec<f64> {
@@ -37,9 +39,11 @@ pub(super) fn volumes(solid: &Solid, balls: &[Ball], samples: usize) -> Vec<f64>
 fn count_samples(solid: &Solid, balls: &[Ball], volume_per_sample: f64) -> Vec<u64> {
     let (lower, upper) = solid.bounds();
     let side = (upper - lower).max_element() * (1.0 + 1e-9);
-    let spacing = volume_per_sample.cbrt();
-    // A lattice of 2^depth samples a side; 2^20 would be more than any count asks for.
-    let depth = (TASK_LEVEL..20).find(|depth| side / f64::from(1_u32 << depth) <= spacing).unwrap_or(20);
+    // The finest lattice bounds the work where balls leave next to no gap.
+    let spacing = volume_per_sample.cbrt().max(side / f64::from(1_u32 << FINEST));
+    // A lattice of 2^depth samples a side.
+    let depth =
+        (TASK_LEVEL..FINEST).find(|depth| side / f64::from(1_u32 << depth) <= spacing).unwrap_or(FINEST);
     // Stretch the cube so that the spacing is met and not just undercut.
     let side = spacing * f64::from(1_u32 << depth);
     let root = Box { center: 0.5 * (lower + upper), half: 0.5 * side, depth, key: 0 };
@@ -62,7 +66,7 @@ fn count_samples(solid: &Solid, balls: &[Ball], volume_per_sample: f64) -> Vec<u
         .with_max_len(1)
         .map(|(task, list)| {
             let mut hits = Vec::new();
-            sampler.descend(&task, &list, f64::INFINITY, &mut hits);
+            sampler.descend(&task, &list, false, &mut hits);
             hits.sort_unstable();
             let mut runs: Vec<(u32, u32)> = Vec::new();
             for ball in hits {
@@ -159,11 +163,10 @@ impl Sampler<'_> {
         list.iter().filter(reaches).copied().collect()
     }
 
-    /// Adds the ball of every gap sample in `within` to `hits`. `surface` is a lower bound of the depth of
-    /// every point in the box, or infinity where nothing is known.
-    fn descend(&self, within: &Box, list: &[u32], surface: f64, hits: &mut Vec<u32>) {
+    /// Adds the ball of every gap sample in `within` to `hits`. `inside` tells that the box lies in the solid;
+    /// otherwise nothing is known.
+    fn descend(&self, within: &Box, list: &[u32], mut inside: bool, hits: &mut Vec<u32>) {
         let reach = within.half_diagonal();
-        let mut inside = surface == f64::NEG_INFINITY;
         if within.depth == 0 {
             let p = within.sample();
             let (ball, power) = self.nearest(p, list);
@@ -185,7 +188,6 @@ impl Sampler<'_> {
                 None => return,
             }
         }
-        let surface = if inside { f64::NEG_INFINITY } else { f64::INFINITY };
         for child in within.children() {
             let kept;
             let list = if child.depth > 0 && list.len() > 4 {
@@ -194,7 +196,7 @@ impl Sampler<'_> {
             } else {
                 list
             };
-            self.descend(&child, list, surface, hits);
+            self.descend(&child, list, inside, hits);
         }
     }
 }

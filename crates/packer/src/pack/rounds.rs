@@ -1,4 +1,12 @@
 //! Greedy packing in rounds of falling radius.
+//!
+//! Exact greedy packing places each ball at the global maximum of the clearance, one by one. As in ProtoSphere
+//! (R. Weller and G. Zachmann, 2010) many places are searched at once here, but a round takes only balls near
+//! the largest radius that is left, which keeps the coverage of the greedy order: an octree cell with centre
+//! `m` and half diagonal `h` holds no ball above `f(m) + h`, as the clearance `f` is 1-Lipschitz, and bounds
+//! that are out of date stay valid, as `f` only falls. So a cell rests in the bucket of its bound until its
+//! round comes. No step depends on how many balls are asked for, and all searches of a pass see the same
+//! balls: a larger packing begins with the smaller one, and threads do not matter.
 
 use super::ball_grid::{Ball, BallGrid};
 use super::cells::{Cell, Visit, visit};
@@ -7,7 +15,8 @@ use crate::Solid;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Each round takes balls of at least this share of the radius of the round before.
+/// Each round takes balls of at least this share of the radius of the round before. 0.85 was no faster and lost
+/// 0.5 points at 100 balls on the pelvis, 0.1 at 1,000.
 pub(super) const FALL: f64 = 0.9;
 /// Cells along the longest side of the root grid.
 const ROOT_CELLS: f64 = 12.0;
@@ -86,7 +95,9 @@ fn export(cell: &Cell, field: &Field) -> Option<Ball> {
     let center = candidate.center.as_vec3().as_dvec3();
     let clearance = field.clearance(center, 2.0 * candidate.radius);
     let radius = round_down(clearance);
-    (radius > 0.0).then_some(Ball { center, radius: f64::from(radius) })
+    // Where the surface cuts itself, its nearest point can misjudge the side.
+    let is_inside = !field.solid.has_folds() || field.solid.winds_around(center);
+    (radius > 0.0 && is_inside).then_some(Ball { center, radius: f64::from(radius) })
 }
 
 /// The largest f32 that is not larger than `x`.

@@ -31,7 +31,7 @@ pub struct Solid {
 /// What was found, and mended, in a mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Diagnosis {
-    /// Vertices and triangles as they came.
+    /// Vertices as they came.
     pub input_vertices: usize,
     /// Triangles as they came.
     pub input_triangles: usize,
@@ -96,7 +96,8 @@ impl Solid {
         let properties = mass::properties(corners(), 0.5 * (lower + upper));
         let size = lower.distance(upper);
         // A sheet of paper, 1 m by 1 m and 0.1 mm thick, has 1e-4 of the cube of its size.
-        if !(properties.volume > 1e-12 * size.powi(3)) {
+        let is_solid = properties.volume > 1e-12 * size.powi(3);
+        if !is_solid {
             return Err(MeshError::ZeroVolume { volume: properties.volume, size });
         }
         let diagnosis = Diagnosis {
@@ -185,7 +186,25 @@ impl Solid {
         self.mesh.corners(triangle as usize)
     }
 
+    /// Whether the surface winds around `p`, by the majority of three rays; slower than
+    /// [`Self::contains`], but independent of which surface point is nearest.
+    pub(crate) fn winds_around(&self, p: DVec3) -> bool {
+        // Directions that no modelled edge or face is aligned with.
+        let winds = |x, y, z| self.bvh.winding(p, DVec3::new(x, y, z)) != 0;
+        let first = winds(0.531_702, 0.274_161, 0.801_343);
+        let second = winds(-0.661_329, 0.722_457, 0.201_711);
+        if first == second { first } else { winds(0.172_343, -0.812_929, -0.556_261) }
+    }
+
+    /// Whether the surface is folded somewhere, so that [`Self::contains`] is worth a second opinion.
+    pub(crate) fn has_folds(&self) -> bool {
+        self.pseudonormals.has_folds()
+    }
+
     fn is_outside(&self, p: DVec3, nearest: &Nearest) -> bool {
+        if self.pseudonormals.is_doubtful(nearest.triangle, nearest.feature) {
+            return !self.winds_around(p);
+        }
         (p - nearest.point).dot(self.pseudonormals.at(nearest.triangle, nearest.feature)) > 0.0
     }
 }

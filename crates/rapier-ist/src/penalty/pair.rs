@@ -18,6 +18,8 @@ pub(crate) struct Material {
     pub(crate) restitution: f64,
     /// Slip speed under which friction is viscous (m/s).
     pub(crate) creep_speed: f64,
+    /// Fastest that overlap alone may push bodies apart (m/s), positive.
+    pub(crate) recovery_speed: f64,
     /// Approach speed from which on a contact rebounds (m/s).
     pub(crate) rebound_speed: f64,
 }
@@ -80,10 +82,13 @@ impl PairContacts {
             let approach = velocity.dot(normal);
             let rate = dt / depth + material.dissipation;
             let moved = (displacement_b.at(point) - displacement_a.at(point)).dot(normal) / dt;
-            let damping = material.stiffness * f64::from(s.volume) * rate;
             let rebounds = material.restitution > 0.0 && approach < -material.rebound_speed;
             let rebound = if rebounds { -material.restitution * approach } else { f64::NEG_INFINITY };
-            let free_speed = (moved + 1.0 / rate).max(rebound);
+            // What would push faster than the recovery speed is damped more, with the same force at rest.
+            let at_rest = material.stiffness * f64::from(s.volume) * (1.0 + rate * moved);
+            let free_speed = (moved + 1.0 / rate).min(material.recovery_speed);
+            let damping = (at_rest / free_speed).max(material.stiffness * f64::from(s.volume) * rate);
+            let free_speed = free_speed.max(rebound);
             let force = (damping * (free_speed - approach)).max(0.0);
             Sample { arm, normal, damping, free_speed, force, slip: slip(velocity, normal) }
         });

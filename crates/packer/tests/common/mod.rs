@@ -1,0 +1,69 @@
+//! Closed meshes to pack.
+#![allow(dead_code, reason = "each test file uses its part")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot build its mesh has failed")]
+
+use glam::DVec3;
+use packer::{Solid, TriangleMesh};
+use std::f64::consts::TAU;
+use std::path::PathBuf;
+
+pub(crate) fn asset(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../assets").join(name)
+}
+
+/// A box with corners `lower` and `upper`.
+pub(crate) fn cuboid(lower: DVec3, upper: DVec3) -> TriangleMesh {
+    let pick = |i: usize, bit: usize| if i >> bit & 1 == 1 { upper[bit] } else { lower[bit] };
+    let vertices = (0..8).map(|i| DVec3::new(pick(i, 0), pick(i, 1), pick(i, 2))).collect();
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+    TriangleMesh { vertices, triangles }
+}
+
+/// A torus about the z axis.
+pub(crate) fn torus(major: f64, minor: f64, segments: u32) -> TriangleMesh {
+    let mut mesh = TriangleMesh::default();
+    let sides = segments / 2;
+    for i in 0..segments {
+        for j in 0..sides {
+            let (u, v) = (TAU * f64::from(i) / f64::from(segments), TAU * f64::from(j) / f64::from(sides));
+            let radius = major + minor * v.cos();
+            mesh.vertices.push(DVec3::new(radius * u.cos(), radius * u.sin(), minor * v.sin()));
+            let at = |i: u32, j: u32| (i % segments) * sides + j % sides;
+            let (a, b, c, d) = (at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
+            mesh.triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    mesh
+}
+
+/// Both meshes in one.
+pub(crate) fn join(a: &TriangleMesh, b: &TriangleMesh) -> TriangleMesh {
+    let mut mesh = a.clone();
+    let base = a.vertices.len() as u32;
+    mesh.vertices.extend(&b.vertices);
+    mesh.triangles.extend(b.triangles.iter().map(|t| t.map(|v| v + base)));
+    mesh
+}
+
+/// The same surface facing the other way.
+pub(crate) fn inverted(mesh: &TriangleMesh) -> TriangleMesh {
+    let triangles = mesh.triangles.iter().map(|[a, b, c]| [*a, *c, *b]).collect();
+    TriangleMesh { vertices: mesh.vertices.clone(), triangles }
+}
+
+/// Solids of different kinds: an organic mesh, a gear, and shapes with flat, thin and round parts.
+pub(crate) fn solids() -> Vec<(&'static str, Solid)> {
+    let box_with_cavity =
+        join(&cuboid(DVec3::ZERO, DVec3::ONE), &cuboid(DVec3::splat(0.3), DVec3::splat(0.6)));
+    let meshes = [
+        ("bunny", TriangleMesh::load(asset("bunny.obj")).unwrap()),
+        ("spider gear", TriangleMesh::load(asset("spider_gear.obj")).unwrap()),
+        ("torus", torus(1.0, 0.3, 48)),
+        ("cube", cuboid(DVec3::ZERO, DVec3::ONE)),
+        ("plate", cuboid(DVec3::new(-1.0, -1.0, 0.0), DVec3::new(1.0, 1.0, 0.02))),
+        ("distant", cuboid(DVec3::new(999.0, -500.0, 20.0), DVec3::new(1000.0, -499.0, 21.5))),
+        ("box with cavity", box_with_cavity),
+    ];
+    meshes.into_iter().map(|(name, mesh)| (name, Solid::new(&mesh).unwrap())).collect()
+}

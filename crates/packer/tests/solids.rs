@@ -1,0 +1,147 @@
+//! What is a solid, what is not, and what is known about one.
+
+mod common;
+
+use common::{cuboid, inverted, join, torus};
+use glam::DVec3;
+use packer::{MeshError, Solid, TriangleMesh};
+use std::f64::consts::PI;
+
+#[test]
+fn mass_properties_of_a_box_are_exact_wherever_it_stands() {
+    for offset in [DVec3::ZERO, DVec3::new(1e6, -2e6, 3e6)] {
+        let extent = DVec3::new(1.0, 2.0, 3.0);
+        let solid = Solid::new(&cuboid(offset, offset + extent)).unwrap();
+        let p = solid.properties();
+        assert!((p.volume - 6.0).abs() < 1e-12);
+        assert!(p.centroid.distance(offset + 0.5 * extent) < 1e-9);
+        let inertia = p.unit_inertia;
+        // m/12·(b² + c²)
+        assert!((inertia.x_axis.x - 0.5 * 13.0).abs() < 1e-8 && (inertia.z_axis.z - 0.5 * 5.0).abs() < 1e-8);
+        assert!(inertia.x_axis.y.abs() < 1e-8);
+    }
+}
+
+#[test]
+fn depth_of_a_box_matches_the_formula() {
+    let solid = Solid::new(&cuboid(DVec3::ZERO, DVec3::ONE)).unwrap();
+    for i in 0..4_000_u32 {
+        let fraction = |factor: f64| (f64::from(i) * factor).fract() * 2.0 - 0.5;
+        let p = DVec3::new(fraction(0.618_034), fraction(0.754_878), fraction(0.569_84));
+        let outside = (p - p.clamp(DVec3::ZERO, DVec3::ONE)).length();
+        let inside = p.min(1.0 - p).min_element();
+        let expected = if outside > 0.0 { -outside } else { inside };
+        assert!((solid.depth(p) - expected).abs() < 1e-12, "{p}");
+    }
+}
+
+#[test]
+fn the_depth_is_lipschitz_on_every_asset() {
+    // A sign that is wrong somewhere shows as a jump.
+    for name in ["bunny.obj", "spider_gear.obj", "pelvis.obj"] {
+        let solid = Solid::new(&TriangleMesh::load(common::asset(name)).unwrap()).unwrap();
+        let (lower, upper) = solid.bounds();
+        let step = 1e-5 * solid.size();
+        for i in 0..60_000_u32 {
+            let fraction = |factor: f64| (f64::from(i) * factor).fract();
+            let p = lower
+                + (upper - lower) * DVec3::new(fraction(0.618_034), fraction(0.754_878), fraction(0.569_84));
+            let change = (solid.depth(p) - solid.depth(p + DVec3::X * step)).abs();
+            assert!(change <= step * 1.001, "{name}: the depth jumps by {change} at {p}");
+        }
+    }
+}
+
+/// Folded slivers gave a pseudonormal of the wrong side at corners: a sphere stood outside the gear.
+#[test]
+fn issue_folded_slivers_do_not_turn_the_outside_in() {
+    let solid = Solid::new(&TriangleMesh::load(common::asset("spider_gear.obj")).unwrap()).unwrap();
+    for p in [
+        DVec3::new(0.343_749_999_999_993_34, -0.322_916_666_666_666_7, -0.180_939_166_666_666_65),
+        DVec3::new(-0.434_296_607_971_191_4, 0.201_181_411_743_164_06, -0.175_810_445_022_583),
+    ] {
+        assert!(!solid.contains(p), "{p}");
+    }
+}
+
+#[test]
+fn inverted_surfaces_are_turned_and_cavities_kept() {
+    let outer = cuboid(DVec3::ZERO, DVec3::ONE);
+    let inner = cuboid(DVec3::splat(0.25), DVec3::splat(0.75));
+    for (a, b) in [(&outer, &inner), (&inverted(&outer), &inner), (&outer, &inverted(&inner))] {
+        let solid = Solid::new(&join(a, b)).unwrap();
+        assert_eq!((solid.diagnosis().shells, solid.diagnosis().cavities), (2, 1));
+        assert!((solid.properties().volume - 0.875).abs() < 1e-12);
+        assert!(solid.contains(DVec3::splat(0.1)) && !solid.contains(DVec3::splat(0.5)));
+    }
+    let torus = torus(2.0, 0.5, 64);
+    let solid = Solid::new(&inverted(&torus)).unwrap();
+    assert_eq!(solid.diagnosis().reversed_shells, 1);
+    let exact = 2.0 * PI * PI * 2.0 * 0.25;
+    assert!((solid.properties().volume / exact - 1.0).abs() < 0.02);
+}
+
+#[test]
+fn single_faces_that_are_turned_are_mended() {
+    let mut mesh = torus(2.0, 0.5, 32);
+    for triangle in mesh.triangles.iter_mut().step_by(3).skip(1) {
+        triangle.swap(0, 1);
+    }
+    let solid = Solid::new(&mesh).unwrap();
+    assert!(solid.diagnosis().turned_faces > 100);
+    assert!(solid.contains(DVec3::new(2.0, 0.0, 0.0)) && !solid.contains(DVec3::ZERO));
+}
+
+#[test]
+fn unwelded_and_repeated_faces_are_cleaned() {
+    let clean = cuboid(DVec3::ZERO, DVec3::ONE);
+    let mut soup = TriangleMesh::default();
+    for i in (0..clean.triangles.len()).chain([0, 5]) {
+        let base = soup.vertices.len() as u32;
+        soup.vertices.extend(clean.corners(i));
+        soup.triangles.push([base, base + 1, base + 2]);
+    }
+    soup.triangles.push([0, 0, 1]);
+    let solid = Solid::new(&soup).unwrap();
+    let d = solid.diagnosis();
+    assert_eq!((d.vertices, d.triangles, d.duplicate_faces, d.degenerate_faces), (8, 12, 2, 1));
+}
+
+#[test]
+fn two_boxes_that_touch_in_a_corner_are_a_solid() {
+    let two = join(&cuboid(DVec3::ZERO, DVec3::ONE), &cuboid(DVec3::ONE, DVec3::splat(2.0)));
+    let solid = Solid::new(&two).unwrap();
+    assert!(solid.contains(DVec3::splat(0.9)) && solid.contains(DVec3::splat(1.1)));
+    assert!(!solid.contains(DVec3::new(0.9, 0.9, 1.1)));
+}
+
+#[test]
+fn what_has_no_inside_is_refused_by_name() {
+    let cube = cuboid(DVec3::ZERO, DVec3::ONE);
+    let error = |mesh: &TriangleMesh| Solid::new(mesh).unwrap_err();
+
+    let mut open = cube.clone();
+    open.triangles.pop();
+    assert!(matches!(error(&open), MeshError::OpenEdges { count: 3, .. }));
+
+    let mut fin = cube.clone();
+    fin.vertices.push(DVec3::splat(2.0));
+    fin.triangles.push([0, 1, 8]);
+    assert!(matches!(error(&fin), MeshError::NonManifoldEdges { count: 1, faces: 3, .. }));
+
+    let mut broken = cube.clone();
+    broken.vertices[5].y = f64::NAN;
+    assert!(matches!(error(&broken), MeshError::VertexNotFinite { index: 5, .. }));
+
+    let mut dangling = cube.clone();
+    dangling.triangles[3][1] = 99;
+    assert!(matches!(error(&dangling), MeshError::IndexOutOfRange { triangle: 3, vertex: 99, count: 8 }));
+
+    let flat = cuboid(DVec3::ZERO, DVec3::new(1.0, 1.0, 1e-30));
+    assert!(matches!(error(&flat), MeshError::ZeroVolume { .. }));
+
+    let two_faces =
+        TriangleMesh { vertices: cube.vertices[..3].to_vec(), triangles: vec![[0, 1, 2], [0, 2, 1]] };
+    assert!(matches!(error(&two_faces), MeshError::TooFewTriangles { count: 1 }));
+    assert!(matches!(error(&TriangleMesh::default()), MeshError::NoTriangles));
+}
