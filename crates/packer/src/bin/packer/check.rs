@@ -26,7 +26,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             Err(error) => json!({
                 "input": name.to_string(),
                 "packable": false,
-                "error": format!("{error:#}"),
+                "error": output::message(error),
             }),
         };
         output::print(report)?;

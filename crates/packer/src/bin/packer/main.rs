@@ -54,7 +54,7 @@ fn main() -> ExitCode {
             {
                 return ExitCode::SUCCESS;
             }
-            eprintln!("error: {error:#}");
+            eprintln!("error: {}", output::message(&error));
             ExitCode::from(BAD_INPUT)
         }
     }
