@@ -32,22 +32,19 @@ pub(crate) use twist::Screw;
 /// Most passes over contacts and friction.
 const MAX_PASSES: usize = 8;
 
-/// Passes end when no normal force changed by more than this share of its pair's total.
+/// Passes end when the normal forces of no pair changed by more than this share of their sum.
 const PASS_TOLERANCE: f64 = 1e-3;
 
 impl Island {
     /// Finds the velocities at the end of a step of `dt` seconds; contact wrenches are then those of
     /// [`Island::pair_wrench`].
     pub(crate) fn solve(&mut self, dt: f64) {
-        for pass in 0..MAX_PASSES {
+        for _ in 0..MAX_PASSES {
+            self.pairs.iter_mut().for_each(PairContacts::linearize);
             self.solve_linear(dt);
-            if pass + 1 == MAX_PASSES {
-                break;
-            }
             let twists: Vec<Screw> = (0..self.pairs.len()).map(|pair| self.pair_twist(pair)).collect();
             let change = |(pair, twist): (&mut PairContacts, Screw)| pair.update(twist);
-            let change = self.pairs.iter_mut().zip(twists).map(change).fold(0.0, f64::max);
-            if change < PASS_TOLERANCE {
+            if self.pairs.iter_mut().zip(twists).map(change).fold(0.0, f64::max) < PASS_TOLERANCE {
                 break;
             }
         }

@@ -93,17 +93,14 @@ impl PairContacts {
             Sample { arm, normal, damping, free_speed, force, slip: slip(velocity, normal) }
         });
         let samples = samples.collect();
-        let mut pair =
-            Self { bodies, origin, depth, material, samples, offset: Screw::ZERO, damping: Symmetric6::ZERO };
-        pair.assemble();
-        pair
+        Self { bodies, origin, depth, material, samples, offset: Screw::ZERO, damping: Symmetric6::ZERO }
     }
 
     /// Linearises the wrench about the forces and slips of the last pass.
     ///
     /// Per sample the force on b is `n c_n (u_0 − n·u) − c_t (u − n n·u)` with `c_n = k V (h/D + δ)` and the
     /// regularised Coulomb coefficient `c_t = μ f / max(|u_t|, u_creep)` of the last pass.
-    fn assemble(&mut self) {
+    pub(crate) fn linearize(&mut self) {
         (self.offset, self.damping) = (Screw::ZERO, Symmetric6::ZERO);
         for s in self.samples.iter().filter(|s| s.force > 0.0) {
             let tangential = self.material.friction * s.force / s.slip.max(self.material.creep_speed);
@@ -115,20 +112,19 @@ impl PairContacts {
         }
     }
 
-    /// Takes over the relative twist of a solve: new forces, contacts that let go or take hold, new friction.
-    /// Returns the largest change of a normal force relative to the sum of all.
+    /// Takes over the relative twist of a solve for the next linearisation: normal forces, contacts that let go or take
+    /// hold, slip. Returns how much the normal forces changed, relative to their sum.
     pub(crate) fn update(&mut self, twist: Screw) -> f64 {
-        let (mut change, mut total) = (0.0_f64, 0.0);
+        let (mut change, mut total) = (0.0, 0.0);
         for s in &mut self.samples {
             let velocity = twist.twist_at(s.arm).linear;
             let force = (s.damping * (s.free_speed - velocity.dot(s.normal))).max(0.0);
-            change = change.max((force - s.force).abs());
-            total += force;
+            change += (force - s.force).abs();
+            total += force.max(s.force);
             s.force = force;
             s.slip = slip(velocity, s.normal);
         }
-        self.assemble();
-        if total > 0.0 { change / total } else { change }
+        if total > 0.0 { change / total } else { 0.0 }
     }
 
     /// Wrench on b about [`Self::origin`] at the given relative twist.
