@@ -1,6 +1,6 @@
 //! Which pairs of colliders may be in volume contact.
 //!
-//! Found anew from the predicted poses before every step, not from Rapier's contact graph, which is as old as the last
+//! Found anew from the predicted motion before every step, not from Rapier's contact graph, which is as old as the last
 //! detection: a pair that begins to overlap now is pushed now.
 
 use crate::IstShape;
@@ -17,9 +17,9 @@ use std::collections::HashSet;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Candidate {
     pub(crate) colliders: [ColliderHandle; 2],
-    /// At the end of the step, as far as it can be told now.
+    /// At the start of the step.
     pub(crate) poses: [Pose; 2],
-    /// What leads to these poses.
+    /// What the bodies would do during the step if nothing stopped them.
     pub(crate) displacements: [Displacement; 2],
 }
 
@@ -32,12 +32,13 @@ pub(crate) fn candidates(
     let mut solids = Vec::new();
     let mut others = Vec::new();
     for (handle, collider) in world.colliders.iter_enabled().filter(|(_, c)| !c.is_sensor()) {
-        let (displacement, pose) = predicted_pose(world, collider);
+        let (pose, displacement) = motion(world, collider);
         if !pose.is_finite() {
             continue;
         }
-        let near =
-            Near { handle, collider, pose, displacement, bounds: collider.shape().compute_aabb(&pose) };
+        let shape = collider.shape();
+        let bounds = shape.compute_aabb(&pose).merged(&shape.compute_aabb(&displacement.apply(&pose)));
+        let near = Near { handle, collider, pose, displacement, bounds };
         let list = if collider.shape().as_shape::<IstShape>().is_some() { &mut solids } else { &mut others };
         list.push(near);
     }
@@ -61,15 +62,13 @@ pub(crate) fn candidates(
     pairs
 }
 
-/// Pose of a collider at the end of the step, after all changes that the user made since the last one.
-fn predicted_pose(world: &PhysicsWorld, collider: &Collider) -> (Displacement, Pose) {
+/// Pose of a collider after all changes that the user made since the last step, and its motion in the next.
+fn motion(world: &PhysicsWorld, collider: &Collider) -> (Pose, Displacement) {
     let parent = collider.parent().and_then(|parent| world.bodies.get(parent));
     let (Some(body), Some(local)) = (parent, collider.position_wrt_parent()) else {
-        return (Displacement::default(), *collider.position());
+        return (*collider.position(), Displacement::default());
     };
-    let dt = world.integration_parameters.dt;
-    let displacement = Displacement::of(body, collider.shape(), world.gravity, dt);
-    (displacement, displacement.apply(&(*body.position() * *local)))
+    (*body.position() * *local, Displacement::of(body, world.gravity, world.integration_parameters.dt))
 }
 
 struct Near<'a> {

@@ -6,7 +6,6 @@
 
 use crate::penalty::Screw;
 use rapier3d::dynamics::{RigidBody, RigidBodyType};
-use rapier3d::geometry::Shape;
 use rapier3d::glamx::DVec3;
 use rapier3d::math::{Pose, Real, Rotation, Vector};
 
@@ -20,23 +19,29 @@ pub(crate) struct Displacement {
 }
 
 impl Displacement {
-    /// What `body` would do in `dt` seconds under gravity and the user's forces, cut short where that is more than
-    /// half the thickness of `shape`: beyond, an overlap no longer tells on which side the shape came in.
-    pub(crate) fn of(body: &RigidBody, shape: &dyn Shape, gravity: Vector, dt: Real) -> Self {
+    /// What `body` would do in `dt` seconds under gravity and the user's forces.
+    pub(crate) fn of(body: &RigidBody, gravity: Vector, dt: Real) -> Self {
         let center = body.center_of_mass().as_dvec3();
         let screw = match body.body_type() {
             _ if body.is_sleeping() || body.is_fixed() => Screw::ZERO,
             RigidBodyType::KinematicPositionBased => target(body),
             _ => predicted_twist(body, gravity, dt) * f64::from(dt),
         };
-        if !screw.is_finite() {
-            return Self { center, screw: Screw::ZERO };
-        }
-        let radius = f64::from(shape.compute_local_bounding_sphere().radius);
-        let reach = screw.linear.length() + screw.angular.length() * radius;
-        let limit = f64::from(shape.ccd_thickness());
-        let share = if reach > limit { limit / reach } else { 1.0 };
-        Self { center, screw: screw * share }
+        Self { center, screw: if screw.is_finite() { screw } else { Screw::ZERO } }
+    }
+
+    /// The first `share` of the displacement, 0 to 1.
+    pub(crate) fn part(&self, share: f64) -> Self {
+        Self { center: self.center, screw: self.screw * share }
+    }
+
+    /// No point within `radius` of the centre of mass moves farther than this relative to one that moves with
+    /// `other` (m), but for terms of second order.
+    pub(crate) fn reach(&self, other: &Self, radius: Real) -> f64 {
+        let lever = self.center.distance(other.center) + f64::from(radius);
+        (self.screw.linear - other.screw.linear).length()
+            + self.screw.angular.length() * f64::from(radius)
+            + other.screw.angular.length() * lever
     }
 
     /// `pose` after the displacement.

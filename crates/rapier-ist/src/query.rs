@@ -1,15 +1,22 @@
 //! Contact samples of all candidate pairs, in the world frame.
 
 use crate::candidates::Candidate;
+use crate::lookahead::Displacement;
 use crate::{IstShape, against_shape};
 use ist::{ContactSample, OverlapWorkspace};
 use rapier3d::geometry::ColliderSet;
 use rapier3d::math::{Pose, Real};
+use rapier3d::parry::shape::Shape;
+
+/// Most poses along the way of a fast pair at which its overlap is measured.
+const MOST_PROBES: f64 = 16.0;
 
 /// A candidate that does overlap.
 #[derive(Clone, Debug)]
 pub(crate) struct Contact {
     pub(crate) candidate: Candidate,
+    /// What leads from the bodies' poses to those at which the overlap was measured.
+    pub(crate) displacements: [Displacement; 2],
     /// World frame; normals from the first collider to the second.
     pub(crate) samples: Vec<ContactSample>,
     /// Longest side (m) of the smaller collider's box, in its own frame.
@@ -32,35 +39,63 @@ pub(crate) fn contacts(colliders: &ColliderSet, candidates: &[Candidate]) -> Vec
     }
 }
 
+/// The contact of a candidate, at the end of the step or earlier on the way, where it is found first.
+///
+/// Deep inside an overlap one can no longer tell on which side a body came in. A pair that moves farther than its
+/// solids are thick is therefore looked at along the way, in steps of that thickness.
 fn contact(
     colliders: &ColliderSet,
     candidate: &Candidate,
     workspace: &mut OverlapWorkspace,
 ) -> Option<Contact> {
-    let [pose_a, pose_b] = candidate.poses;
     let [a, b] = candidate.colliders.map(|handle| colliders.get(handle));
-    let (a, b) = (a?.shape(), b?.shape());
+    let shapes = [a?.shape(), b?.shape()];
     let mut samples = Vec::new();
+    let probes = probes(shapes, &candidate.displacements);
+    let displacements = (1..=probes).find_map(|probe| {
+        let share = f64::from(probe) / f64::from(probes);
+        let displacements = candidate.displacements.map(|displacement| displacement.part(share));
+        let poses = [0, 1].map(|i| displacements[i].apply(&candidate.poses[i]));
+        measure(shapes, &poses, workspace, &mut samples);
+        (!samples.is_empty()).then_some(displacements)
+    })?;
+    let longest = |shape: &dyn Shape| shape.compute_local_aabb().extents().max_element();
+    let size = longest(shapes[0]).min(longest(shapes[1]));
+    Some(Contact { candidate: *candidate, displacements, samples, size })
+}
+
+/// At how many poses along its way a pair is looked at.
+fn probes(shapes: [&dyn Shape; 2], displacements: &[Displacement; 2]) -> u32 {
+    let solids = [0, 1].map(|i| shapes[i].as_shape::<IstShape>());
+    let thickness = solids.iter().flatten().map(|solid| solid.thickness()).fold(Real::INFINITY, Real::min);
+    let own = if solids[0].is_some() { 0 } else { 1 };
+    let radius = shapes[own].compute_local_bounding_sphere().radius;
+    let reach = displacements[own].reach(&displacements[1 - own], radius);
+    (reach / f64::from(thickness)).ceil().clamp(1.0, MOST_PROBES) as u32
+}
+
+/// Appends the contact samples of two shapes, of which one is an inner sphere tree, in the world frame.
+fn measure(
+    [a, b]: [&dyn Shape; 2],
+    [pose_a, pose_b]: &[Pose; 2],
+    workspace: &mut OverlapWorkspace,
+    samples: &mut Vec<ContactSample>,
+) {
     match (a.as_shape::<IstShape>(), b.as_shape::<IstShape>()) {
         (Some(solid_a), Some(solid_b)) => {
-            let pose = pose_a.inv_mul(&pose_b);
-            solid_a.tree().contact_samples(solid_b.tree(), &pose, workspace, &mut samples);
-            to_world(&mut samples, &pose_a, 1.0);
+            solid_a.tree().contact_samples(solid_b.tree(), &pose_a.inv_mul(pose_b), workspace, samples);
+            to_world(samples, pose_a, 1.0);
         }
         (Some(solid_a), None) => {
-            against_shape::contact_samples(solid_a, b, &pose_a.inv_mul(&pose_b), &mut samples);
-            to_world(&mut samples, &pose_a, 1.0);
+            against_shape::contact_samples(solid_a, b, &pose_a.inv_mul(pose_b), samples);
+            to_world(samples, pose_a, 1.0);
         }
         (None, Some(solid_b)) => {
-            against_shape::contact_samples(solid_b, a, &pose_b.inv_mul(&pose_a), &mut samples);
-            to_world(&mut samples, &pose_b, -1.0);
+            against_shape::contact_samples(solid_b, a, &pose_b.inv_mul(pose_a), samples);
+            to_world(samples, pose_b, -1.0);
         }
-        (None, None) => return None,
+        (None, None) => {}
     }
-    let longest =
-        |shape: &dyn rapier3d::parry::shape::Shape| shape.compute_local_aabb().extents().max_element();
-    let size = longest(a).min(longest(b));
-    (!samples.is_empty()).then_some(Contact { candidate: *candidate, samples, size })
 }
 
 /// Moves `samples` from a collider's frame to the world's and orients their normals.

@@ -18,6 +18,7 @@ use std::path::Path;
 pub struct IstShape {
     tree: InnerSphereTree,
     bounds: Aabb,
+    thickness: Real,
 }
 
 impl IstShape {
@@ -43,7 +44,8 @@ impl IstShape {
             mins: bounds.mins.min(center - Vector::splat(radius)),
             maxs: bounds.maxs.max(center + Vector::splat(radius)),
         });
-        Self { tree, bounds }
+        let thickness = thickness(&tree);
+        Self { tree, bounds, thickness }
     }
 
     /// The tree that queries run against.
@@ -69,6 +71,11 @@ impl IstShape {
         ColliderBuilder::new(self.into_shared())
     }
 
+    /// How thick the solid is (m): half of its volume is packed with inner spheres of this radius or less.
+    pub(crate) fn thickness(&self) -> Real {
+        self.thickness
+    }
+
     /// The inner sphere nearest to `point` with the signed distance (m) to its surface.
     fn nearest_sphere(&self, point: Vector) -> (usize, Vector, Real, Real) {
         let mut nearest = (0, Vector::ZERO, 0.0, Real::INFINITY);
@@ -84,6 +91,20 @@ impl IstShape {
     fn feature(&self, sphere: usize) -> FeatureId {
         FeatureId::Face(self.tree.packing_index(sphere) as u32)
     }
+}
+
+/// Radius below which the inner spheres of `tree` hold half of their volume.
+fn thickness(tree: &InnerSphereTree) -> Real {
+    let mut radii: Vec<Real> = tree.inner_balls().map(|(_, radius, _)| radius).collect();
+    radii.sort_unstable_by(Real::total_cmp);
+    let volume = |radius: &Real| radius * radius * radius;
+    let half: Real = 0.5 * radii.iter().map(volume).sum::<Real>();
+    let mut below = 0.0;
+    let reaches_half = |radius: &&Real| {
+        below += volume(radius);
+        below >= half
+    };
+    radii.iter().find(reaches_half).copied().unwrap_or(Real::MAX)
 }
 
 /// Point queries see the union of the inner spheres, in time linear in their number.
@@ -171,7 +192,7 @@ impl Shape for IstShape {
     }
 
     fn ccd_thickness(&self) -> Real {
-        self.bounds.half_extents().min_element()
+        self.thickness
     }
 
     fn ccd_angular_thickness(&self) -> Real {

@@ -66,8 +66,8 @@ impl PairContacts {
     ) -> Self {
         let volume: f64 = contact.samples.iter().map(|s| f64::from(s.volume)).sum();
         let moment: DVec3 = contact.samples.iter().map(|s| s.point.as_dvec3() * f64::from(s.volume)).sum();
-        let [displacement_a, displacement_b] = contact.candidate.displacements;
-        let back = backtracking(states, contact.candidate.displacements);
+        let [displacement_a, displacement_b] = contact.displacements;
+        let back = backtracking(states, contact.displacements);
         let origin = moment / volume.max(f64::MIN_POSITIVE);
         let origin = origin - back(origin);
         let before = relative_twist(states, origin);
