@@ -15,11 +15,15 @@ use rapier3d::prelude::TriMeshFlags;
 use std::path::{Path, PathBuf};
 
 /// Radius of the bowl's hollow (m).
-const BOWL_RADIUS: f64 = 1.3;
+const BOWL_RADIUS: f64 = 1.7;
 /// Thickness of its wall (m): a body that falls from the top moves 0.13 m per step.
 const BOWL_WALL: f64 = 0.3;
 /// Height of its rim above its bottom (m).
-const BOWL_HEIGHT: f64 = 1.2;
+const BOWL_HEIGHT: f64 = 1.4;
+/// Bodies per layer: one, six around it and twelve around those.
+const PER_LAYER: usize = 19;
+/// Height of the lowest layer over the rim's sphere centre (m).
+const FIRST_LAYER: f32 = -0.2;
 /// Smallest and largest longest side of a body (m).
 const SIZES: [f32; 2] = [0.28, 0.44];
 /// Density of all bodies (kg/m³).
@@ -110,16 +114,20 @@ impl Pile {
         self.plugin.step(&mut self.world)
     }
 
-    /// Places bodies in layers of a ring around one, each with a free ball of space around it.
+    /// Places bodies in layers of two rings around one body, each with a free ball of space around it.
     fn drop_bodies(&mut self, options: &PileOptions) -> Result<()> {
         let mut random = Pcg64Mcg::seed_from_u64(options.seed);
         let spacing = SIZES[1] * 3.0_f32.sqrt() * 0.85;
         for index in 0..options.bodies {
-            let (layer, place) = (index / 7, index % 7);
-            let angle = (place as f32 + 0.5 * layer as f32) * std::f32::consts::TAU / 6.0;
-            let ring = if place == 6 { 0.0 } else { spacing };
+            let (layer, place) = (index / PER_LAYER, index % PER_LAYER);
+            let (ring, turn) = match place {
+                0 => (0.0, 0.0),
+                1..=6 => (spacing, place as f32 / 6.0),
+                _ => (2.0 * spacing, place as f32 / 12.0),
+            };
+            let angle = (turn + 0.04 * layer as f32) * std::f32::consts::TAU;
             let jitter = Vec3::from_array(std::array::from_fn(|_| random.random_range(-0.02..0.02)));
-            let height = 0.2 + layer as f32 * spacing;
+            let height = FIRST_LAYER + layer as f32 * spacing;
             let position = Vec3::new(ring * angle.cos(), height, ring * angle.sin()) + jitter;
             let model = index % self.models.len();
             let size = random.random_range(SIZES[0]..SIZES[1]);
@@ -144,7 +152,6 @@ fn rotation(random: &mut impl Rng) -> Quat {
 fn built_in_meshes() -> Result<Vec<(&'static str, TriangleMesh)>> {
     let asset = |name: &str| TriangleMesh::load(asset_folder().join(format!("{name}.obj")));
     Ok(vec![
-        ("bunny", asset("bunny")?),
         ("ring", shapes::ring(0.37, 0.13, [48, 24])),
         ("spider_gear", asset("spider_gear")?),
         ("hexagonal_nut", shapes::hexagonal_nut(0.86, 0.25, 0.4, 0.06, 48)),
