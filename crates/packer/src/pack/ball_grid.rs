@@ -7,6 +7,7 @@
 
 use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
+use std::f64::consts::PI;
 
 /// A placed ball, exactly as it is exported.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,6 +17,10 @@ pub(super) struct Ball {
 }
 
 impl Ball {
+    pub(super) fn volume(&self) -> f64 {
+        4.0 / 3.0 * PI * self.radius.powi(3)
+    }
+
     /// Distance of `p` from the ball's surface, negative inside.
     #[inline]
     pub(super) fn distance(&self, p: DVec3) -> f64 {
