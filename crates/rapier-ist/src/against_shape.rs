@@ -1,7 +1,6 @@
 //! Overlap of an inner sphere tree with one of parry's shapes.
 
-use crate::IstShape;
-use ist::{ContactSample, SurfaceDistance};
+use ist::{ContactSample, InnerSphereTree, SurfaceDistance};
 use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::shape::{HalfSpace, Shape};
 
@@ -11,13 +10,13 @@ use rapier3d::parry::shape::{HalfSpace, Shape};
 /// half-spaces, good for solids with features larger than the balls. Shapes without an inside (trimeshes without
 /// orientation, heightfields) push only while a ball's centre is on their outer side.
 pub(crate) fn contact_samples(
-    solid: &IstShape,
+    solid: &InnerSphereTree,
     other: &dyn Shape,
     pose: &Pose,
     samples: &mut Vec<ContactSample>,
 ) {
     let inverse = pose.inverse();
-    solid.tree().contact_samples_with(
+    solid.contact_samples_with(
         |point| {
             let surface = surface_distance(other, inverse * point);
             SurfaceDistance { outward: pose.rotation * surface.outward, ..surface }

@@ -38,6 +38,7 @@ pub(crate) fn candidates(
         }
         let shape = collider.shape();
         let bounds = shape.compute_aabb(&pose).merged(&shape.compute_aabb(&displacement.apply(&pose)));
+        let bounds = bounds.loosened(collider.contact_skin());
         let near = Near { handle, collider, pose, displacement, bounds };
         let list = if collider.shape().as_shape::<IstShape>().is_some() { &mut solids } else { &mut others };
         list.push(near);

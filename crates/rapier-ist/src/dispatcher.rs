@@ -42,9 +42,9 @@ fn mean_contact(pos12: &Pose, g1: &dyn Shape, g2: &dyn Shape) -> Result<Option<M
         samples.clear();
         match (g1.as_shape::<IstShape>(), g2.as_shape::<IstShape>()) {
             (Some(a), Some(b)) => a.tree().contact_samples(b.tree(), pos12, workspace, samples),
-            (Some(a), None) => against_shape::contact_samples(a, g2, pos12, samples),
+            (Some(a), None) => against_shape::contact_samples(a.tree(), g2, pos12, samples),
             (None, Some(b)) => {
-                against_shape::contact_samples(b, g1, &pos12.inverse(), samples);
+                against_shape::contact_samples(b.tree(), g1, &pos12.inverse(), samples);
                 for sample in &mut *samples {
                     sample.point = *pos12 * sample.point;
                     sample.normal = -(pos12.rotation * sample.normal);

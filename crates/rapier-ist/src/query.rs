@@ -3,7 +3,7 @@
 use crate::candidates::Candidate;
 use crate::lookahead::Displacement;
 use crate::{IstShape, against_shape};
-use ist::{ContactSample, OverlapWorkspace};
+use ist::{ContactSample, InnerSphereTree, OverlapWorkspace};
 use rapier3d::geometry::ColliderSet;
 use rapier3d::math::{Pose, Real};
 use rapier3d::parry::shape::Shape;
@@ -49,14 +49,17 @@ fn contact(
     workspace: &mut OverlapWorkspace,
 ) -> Option<Contact> {
     let [a, b] = candidate.colliders.map(|handle| colliders.get(handle));
-    let shapes = [a?.shape(), b?.shape()];
+    let (a, b) = (a?, b?);
+    let shapes = [a.shape(), b.shape()];
+    let skin = a.contact_skin() + b.contact_skin();
+    let solids = shapes.map(|shape| shape.as_shape::<IstShape>()?.tree().with_skin(skin));
     let mut samples = Vec::new();
     let probes = probes(shapes, &candidate.displacements);
     let displacements = (1..=probes).find_map(|probe| {
         let share = f64::from(probe) / f64::from(probes);
         let displacements = candidate.displacements.map(|displacement| displacement.part(share));
         let poses = [0, 1].map(|i| displacements[i].apply(&candidate.poses[i]));
-        measure(shapes, &poses, workspace, &mut samples);
+        measure((&solids, shapes), &poses, workspace, &mut samples);
         (!samples.is_empty()).then_some(displacements)
     })?;
     let longest = |shape: &dyn Shape| shape.compute_local_aabb().extents().max_element();
@@ -74,27 +77,28 @@ fn probes(shapes: [&dyn Shape; 2], displacements: &[Displacement; 2]) -> u32 {
     (reach / f64::from(thickness)).ceil().clamp(1.0, MOST_PROBES) as u32
 }
 
-/// Appends the contact samples of two shapes, of which one is an inner sphere tree, in the world frame.
+/// Appends the contact samples of two shapes, of which one is an inner sphere tree, in the world frame. Of two trees
+/// the second is taken without its skin, which the first one's includes.
 fn measure(
-    [a, b]: [&dyn Shape; 2],
+    (solids, [a, b]): (&[Option<InnerSphereTree>; 2], [&dyn Shape; 2]),
     [pose_a, pose_b]: &[Pose; 2],
     workspace: &mut OverlapWorkspace,
     samples: &mut Vec<ContactSample>,
 ) {
-    match (a.as_shape::<IstShape>(), b.as_shape::<IstShape>()) {
-        (Some(solid_a), Some(solid_b)) => {
-            solid_a.tree().contact_samples(solid_b.tree(), &pose_a.inv_mul(pose_b), workspace, samples);
+    match (&solids[0], b.as_shape::<IstShape>(), &solids[1]) {
+        (Some(solid_a), Some(solid_b), _) => {
+            solid_a.contact_samples(solid_b.tree(), &pose_a.inv_mul(pose_b), workspace, samples);
             to_world(samples, pose_a, 1.0);
         }
-        (Some(solid_a), None) => {
+        (Some(solid_a), None, _) => {
             against_shape::contact_samples(solid_a, b, &pose_a.inv_mul(pose_b), samples);
             to_world(samples, pose_a, 1.0);
         }
-        (None, Some(solid_b)) => {
+        (None, _, Some(solid_b)) => {
             against_shape::contact_samples(solid_b, a, &pose_b.inv_mul(pose_a), samples);
             to_world(samples, pose_b, -1.0);
         }
-        (None, None) => {}
+        (None, _, None) => {}
     }
 }
 

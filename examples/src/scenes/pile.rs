@@ -26,6 +26,9 @@ const PER_LAYER: usize = 19;
 const FIRST_LAYER: f32 = -0.2;
 /// Smallest and largest longest side of a body (m).
 const SIZES: [f32; 2] = [0.28, 0.44];
+/// Contact skin of a body, relative to its longest side: about as thick as the corners and teeth that a thousand spheres
+/// do not reach.
+const SKIN: f32 = 0.006;
 /// Density of all bodies (kg/m³).
 const DENSITY: f32 = 1000.0;
 
@@ -133,7 +136,9 @@ impl Pile {
             let size = random.random_range(SIZES[0]..SIZES[1]);
             let body =
                 RigidBodyBuilder::dynamic().pose(glamx::Pose3::from_parts(position, rotation(&mut random)));
-            let (handle, _) = self.world.insert(body, self.models[model].collider(size, DENSITY)?);
+            let (handle, _) = self
+                .world
+                .insert(body, self.models[model].collider(size, DENSITY)?.contact_skin(SKIN * size));
             self.bodies.push(PileBody { handle, model, size });
         }
         Ok(())

@@ -18,6 +18,9 @@ pub(super) struct RelativePose {
     translation: Vec3,
     /// Scale of B relative to A.
     pub(super) scale: f32,
+    /// Skins of A and B, in A's unscaled frame.
+    pub(super) skin_a: f32,
+    skin_b: f32,
 }
 
 impl RelativePose {
@@ -30,7 +33,8 @@ impl RelativePose {
         let rotation = Mat3::from_quat(pose.rotation.normalize());
         let scale = b.scale() / a.scale();
         let translation = pose.translation / a.scale();
-        Some(Self { rotation, linear: rotation * scale, translation, scale })
+        let (skin_a, skin_b) = (a.skin() / a.scale(), b.skin() / a.scale());
+        Some(Self { rotation, linear: rotation * scale, translation, scale, skin_a, skin_b })
     }
 
     /// The block of `level` that begins at ball `first`, in A's frame.
@@ -47,7 +51,7 @@ impl RelativePose {
             x: row(0).to_array(),
             y: row(1).to_array(),
             z: row(2).to_array(),
-            radius: (load(&level.radius) * self.scale).to_array(),
+            radius: (load(&level.radius) * self.scale + self.skin_b).to_array(),
             next: first,
             end,
         }

@@ -26,14 +26,15 @@ proptest! {
     #[test]
     fn equals_brute_force(
         a in random_packing(300), b in random_packing(300), pose in random_pose(1.5),
-        scale in prop::array::uniform2(0.2_f32..5.0),
+        scale in prop::array::uniform2(0.2_f32..5.0), skin in prop::array::uniform2(0.0_f32..0.1),
     ) {
-        let (a, b) = (tree(&a).scaled(scale[0]).unwrap(), tree(&b).scaled(scale[1]).unwrap());
+        let solid = |packing, i: usize| tree(packing).scaled(scale[i]).unwrap().with_skin(skin[i]).unwrap();
+        let (a, b) = (solid(&a, 0), solid(&b, 1));
         let overlap = a.overlap(&b, &pose, &mut OverlapWorkspace::default());
         let exact = reference::overlap(&a, &b, &pose);
         // Grazing pairs, thinner than the rounding of their centres, may be found by one side only.
         prop_assert!(overlap.pairs.abs_diff(exact.pairs) <= 1 + exact.pairs / 1000);
-        let reach = f64::from(scale[0] + scale[1]) * 2.0;
+        let reach = f64::from(scale[0] + scale[1] + skin[0] + skin[1]) * 2.0;
         // 1e-5 of the result, and what rounding the centres to f32 moves.
         let shift = 3e-7 * reach;
         let volume = 1e-5 * exact.volume + shift * exact.area;
@@ -41,7 +42,7 @@ proptest! {
         let moments = f64::from(overlap.volume) * overlap.centroid.as_dvec3() - exact.volume * exact.centroid;
         prop_assert!(moments.length() <= volume * reach);
         // The area of a disc changes with the distance by at most 2π times the smaller radius.
-        let area = 1e-5 * exact.area + shift * f64::from(exact.pairs) * 4.0 * f64::from(scale[0].min(scale[1]));
+        let area = 1e-5 * exact.area + shift * f64::from(exact.pairs) * 4.0 * f64::from((scale[0] + skin[0]).min(scale[1] + skin[1]));
         prop_assert!((overlap.gradient.as_dvec3() - exact.gradient).length() <= area);
         let turned = overlap.rotation_gradient.as_dvec3() - exact.rotation_gradient;
         prop_assert!(turned.length() <= (area + shift / reach * exact.area) * reach);

@@ -32,6 +32,7 @@ pub(super) fn for_each_pair<S: Simd>(
     let top = b.height();
     blocks[top] = pose.transform_block(simd, b.root(), 0);
     let ball = Ball::of(simd, &blocks[top], 0);
+    let a = Skinned { data: a, skin: pose.skin_a };
     descend_alone(simd, (a, top), &ball, &mut near[top], &mut children[top]);
     let mut level = top;
     loop {
@@ -54,7 +55,7 @@ pub(super) fn for_each_pair<S: Simd>(
         keep_touching(simd, &children[level], &ball, &mut near[level]);
         level -= 1;
         children[level].len = 0;
-        if level < a.height() {
+        if level < a.data.height() {
             expand(simd, a, (&near[level + 1], level), &ball, &mut children[level]);
         } else {
             keep_touching(simd, &near[level + 1], &ball, &mut children[level]);
@@ -68,20 +69,27 @@ pub(super) fn for_each_pair<S: Simd>(
 #[inline(always)]
 fn descend_alone<S: Simd>(
     simd: S,
-    (a, down_to): (&TreeData, usize),
+    (a, down_to): (Skinned, usize),
     ball: &Ball<S>,
     spare: &mut Candidates,
     list: &mut Candidates,
 ) {
     spare.len = 0;
     list.len = 0;
-    let root = BlockLanes::load(simd, a, a.height(), 0);
+    let root = BlockLanes::load(simd, a, a.data.height(), 0);
     root.append_where(simd, root.touches(ball), list);
-    for level in (down_to..a.height()).rev() {
+    for level in (down_to..a.data.height()).rev() {
         core::mem::swap(spare, list);
         list.len = 0;
         expand(simd, a, (spare, level), ball, list);
     }
+}
+
+/// A's tree and the thickness by which its balls are enlarged.
+#[derive(Clone, Copy)]
+struct Skinned<'a> {
+    data: &'a TreeData,
+    skin: f32,
 }
 
 /// One ball of B in A's frame, in every lane.
@@ -117,14 +125,14 @@ struct BlockLanes<S: Simd> {
 
 impl<S: Simd> BlockLanes<S> {
     #[inline(always)]
-    fn load(simd: S, tree: &TreeData, level: usize, first: usize) -> Self {
-        let balls = &tree.levels[level];
+    fn load(simd: S, tree: Skinned, level: usize, first: usize) -> Self {
+        let balls = &tree.data.levels[level];
         let load = |array: &[f32]| f32x8::from_slice(simd, &array[first..first + WIDTH]);
         Self {
             x: load(&balls.x),
             y: load(&balls.y),
             z: load(&balls.z),
-            radius: load(&balls.radius),
+            radius: load(&balls.radius) + tree.skin,
             index: u32x8::load_array(simd, [0, 1, 2, 3, 4, 5, 6, 7]) + first as u32,
         }
     }
@@ -183,7 +191,7 @@ fn keep_touching<S: Simd>(simd: S, list: &Candidates, ball: &Ball<S>, kept: &mut
 #[inline(always)]
 fn expand<S: Simd>(
     simd: S,
-    a: &TreeData,
+    a: Skinned,
     (list, level): (&Candidates, usize),
     ball: &Ball<S>,
     kept: &mut Candidates,

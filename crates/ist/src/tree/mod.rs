@@ -26,6 +26,8 @@ pub(crate) const WIDTH: usize = 8;
 pub struct InnerSphereTree {
     data: Arc<TreeData>,
     scale: f32,
+    /// Thickness of the skin (m), not scaled.
+    skin: f32,
 }
 
 /// What all clones and scaled copies of a tree share; lengths are those of the packing.
@@ -56,7 +58,7 @@ impl InnerSphereTree {
             solid: *packing.solid(),
             packing_index: order,
         };
-        Self { data: Arc::new(data), scale: 1.0 }
+        Self { data: Arc::new(data), scale: 1.0, skin: 0.0 }
     }
 
     /// The same solid `factor` times as large (about the origin of its frame), sharing the hierarchy.
@@ -65,7 +67,17 @@ impl InnerSphereTree {
     #[must_use]
     pub fn scaled(&self, factor: f32) -> Option<Self> {
         let scale = self.scale * factor;
-        (scale > 0.0 && scale.is_finite()).then(|| Self { data: Arc::clone(&self.data), scale })
+        (scale > 0.0 && scale.is_finite()).then(|| Self { scale, ..self.clone() })
+    }
+
+    /// The same solid under a skin of `thickness` (m), sharing the hierarchy: every ball of volume radius is that much
+    /// larger in overlap queries. It keeps features apart that are too small for the spheres, such as sharp
+    /// corners. Inner balls are as before.
+    ///
+    /// Returns `None` unless `thickness` is finite and not negative.
+    #[must_use]
+    pub fn with_skin(&self, thickness: f32) -> Option<Self> {
+        (thickness >= 0.0 && thickness.is_finite()).then(|| Self { skin: thickness, ..self.clone() })
     }
 
     /// Number of spheres, at least one.
@@ -92,18 +104,24 @@ impl InnerSphereTree {
         self.data.solid.scaled(f64::from(self.scale))
     }
 
-    /// Centre (m) and radius (m) of a ball around all balls of volume radius.
+    /// Thickness of the skin (m), see [`Self::with_skin`].
+    #[must_use]
+    pub fn skin(&self) -> f32 {
+        self.skin
+    }
+
+    /// Centre (m) and radius (m) of a ball around all balls of volume radius, skin included.
     #[must_use]
     pub fn bounding_ball(&self) -> (Vec3, f32) {
         let (center, radius) = self.data.root().get(0);
-        (center * self.scale, radius * self.scale)
+        (center * self.scale, radius * self.scale + self.skin)
     }
 
-    /// Centres (m) and volume radii (m) of all spheres, in the tree's own order.
+    /// Centres (m) and volume radii (m), skin included, of all spheres, in the tree's own order.
     pub fn volume_balls(&self) -> impl ExactSizeIterator<Item = (Vec3, f32)> + '_ {
         (0..self.len()).map(|i| {
             let (center, radius) = self.data.levels[0].get(i);
-            (center * self.scale, radius * self.scale)
+            (center * self.scale, radius * self.scale + self.skin)
         })
     }
 

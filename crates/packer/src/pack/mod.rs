@@ -4,10 +4,14 @@ mod ascent;
 mod ball_grid;
 mod cells;
 mod field;
+mod noise;
 mod options;
 mod power_cells;
 mod report;
 mod rounds;
+mod samples;
+mod seeds;
+mod voronoi;
 
 pub use options::PackOptions;
 pub use report::{PackReport, Progress, StopReason};

@@ -10,6 +10,7 @@
 //! more than `2·|cᵢ − cⱼ|·h` within `h` of the centre. Boxes inside one ball or outside the mesh end early.
 
 use super::ball_grid::Ball;
+use super::noise::Noise;
 use crate::Solid;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -114,22 +115,9 @@ impl Box {
 
     /// The sample of a box of one: a random point of it.
     fn sample(&self) -> DVec3 {
-        let mut state = self.key.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut uniform = || {
-            state = split_mix(state);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
-        let jitter = DVec3::new(uniform(), uniform(), uniform());
+        let jitter = Noise::new(self.key).point();
         self.center + (2.0 * jitter - 1.0) * self.half
     }
-}
-
-/// One step of SplitMix64 (G. Steele, D. Lea, C. Flood, 2014).
-fn split_mix(state: u64) -> u64 {
-    let z = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-    let z = (z ^ z >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    let z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
-    z ^ z >> 31
 }
 
 struct Sampler<'a> {

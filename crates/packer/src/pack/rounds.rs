@@ -10,10 +10,12 @@
 
 use super::ball_grid::{Ball, BallGrid};
 use super::cells::{Cell, Visit, visit};
-use super::field::{Field, Scratch};
+use super::field::{Candidate, Field, Scratch};
+use super::seeds;
 use crate::Solid;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::ops::ControlFlow;
 
 /// Each round takes balls of at least this share of the radius of the round before. 0.85 was no faster and lost
 /// 0.5 points at 100 balls on the pelvis, 0.1 at 1,000.
@@ -24,10 +26,11 @@ const ROOT_CELLS: f64 = 12.0;
 const CHUNK: usize = 32;
 
 /// Places balls until `wanted` says stop; it is asked before each ball with the next one.
-pub(super) fn place(solid: &Solid, smallest: f64, mut wanted: impl FnMut(&Ball) -> bool) -> BallGrid {
-    let mut balls = BallGrid::default();
-    let roots = roots(solid);
-    let Some(largest) = roots.iter().map(Cell::bound).max_by(f64::total_cmp) else { return balls };
+pub(super) fn place(solid: &Solid, smallest: f64, wanted: impl FnMut(&Ball) -> bool) -> BallGrid {
+    let mut placing = Placing { solid, balls: BallGrid::default(), wanted };
+    let roots = roots(&placing.field());
+    let Some(largest) = roots.iter().map(Cell::bound).max_by(f64::total_cmp) else { return placing.balls };
+    let mut seeds = seeds::find(&placing.field());
     let mut buckets = Buckets::new(largest);
     for root in roots {
         let bound = root.bound();
@@ -35,47 +38,106 @@ pub(super) fn place(solid: &Solid, smallest: f64, mut wanted: impl FnMut(&Ball) 
     }
     let mut round = 0;
     while buckets.radii[round] >= smallest {
-        let mut active = std::mem::take(&mut buckets.cells[round]);
         buckets.extend(round + 1);
+        let of_seeds = (seeds::SHARE * buckets.radii[round]).max(smallest);
+        if placing.place_seeds(&mut seeds, of_seeds).is_break()
+            || placing.place_from_cells(&mut buckets, round, smallest).is_break()
+        {
+            break;
+        }
+        round += 1;
+    }
+    placing.balls
+}
+
+/// A packing under way.
+struct Placing<'a, W> {
+    solid: &'a Solid,
+    balls: BallGrid,
+    wanted: W,
+}
+
+impl<W: FnMut(&Ball) -> bool> Placing<'_, W> {
+    fn field(&self) -> Field<'_> {
+        Field { solid: self.solid, balls: &self.balls }
+    }
+
+    /// Places the balls of at least `radius` that the seeds propose.
+    fn place_seeds(&mut self, seeds: &mut Vec<Candidate>, radius: f64) -> ControlFlow<()> {
+        loop {
+            // In descending order; radii only fall.
+            let rest = seeds.split_off(seeds.partition_point(|seed| seed.radius >= radius));
+            let field = self.field();
+            let updated: Vec<(Candidate, Option<Ball>)> = std::mem::take(seeds)
+                .into_par_iter()
+                .with_min_len(CHUNK)
+                .map_init(Scratch::default, |scratch, seed| {
+                    let seed = seeds::update(seed, &field, scratch)?;
+                    Some((seed, (seed.radius >= radius).then(|| export(&seed, &field)).flatten()))
+                })
+                .flatten_iter()
+                .collect();
+            let mut balls = Vec::new();
+            for (seed, ball) in updated {
+                balls.extend(ball.filter(|ball| ball.radius >= radius));
+                seeds.push(seed);
+            }
+            seeds.extend(rest);
+            seeds.sort_by(|a, b| b.radius.total_cmp(&a.radius));
+            if balls.is_empty() {
+                return ControlFlow::Continue(());
+            }
+            self.accept(balls)?;
+        }
+    }
+
+    /// Places the balls of at least `radius` that the cells of one round propose.
+    fn place_from_cells(&mut self, buckets: &mut Buckets, round: usize, smallest: f64) -> ControlFlow<()> {
+        let mut active = std::mem::take(&mut buckets.cells[round]);
         let radius = buckets.radii[round + 1].max(smallest);
         while !active.is_empty() {
-            let field = Field { solid, balls: &balls };
-            let visited = visit_all(active, radius, &field);
-            active = Vec::new();
-            let mut proposals: Vec<(Ball, usize)> = Vec::new();
-            for visit in visited {
-                for (cell, bound) in visit.0.later {
+            let visited = visit_all(&active, radius, &self.field());
+            active.clear();
+            let mut balls = Vec::new();
+            for (visit, proposed) in visited {
+                for (cell, bound) in visit.later {
                     if bound >= smallest {
                         buckets.add(cell, bound, round + 1);
                     }
                 }
-                for (cell, ball) in visit.0.proposals.into_iter().zip(visit.1) {
+                for (cell, ball) in visit.proposals.into_iter().zip(proposed) {
                     match ball {
                         Some(ball) if ball.radius >= radius => {
-                            proposals.push((ball, active.len()));
+                            balls.push(ball);
                             active.push(cell);
                         }
                         _ => buckets.add(cell, radius, round + 1),
                     }
                 }
             }
-            proposals.sort_by(|a, b| b.0.radius.total_cmp(&a.0.radius).then(a.1.cmp(&b.1)));
-            for (ball, _) in proposals {
-                if balls.clearance(ball.center, ball.radius) >= ball.radius {
-                    if !wanted(&ball) {
-                        return balls;
-                    }
-                    balls.insert(ball);
+            self.accept(balls)?;
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Places those of `balls` that do not meet a larger or an earlier one.
+    fn accept(&mut self, mut balls: Vec<Ball>) -> ControlFlow<()> {
+        // The sort is stable: of equals the first comes first.
+        balls.sort_by(|a, b| b.radius.total_cmp(&a.radius));
+        for ball in balls {
+            if self.balls.clearance(ball.center, ball.radius) >= ball.radius {
+                if !(self.wanted)(&ball) {
+                    return ControlFlow::Break(());
                 }
+                self.balls.insert(ball);
             }
         }
-        round += 1;
+        ControlFlow::Continue(())
     }
-    balls
 }
 
 /// Visits all cells, in parallel but with results in order; proposals come with their exported ball.
-fn visit_all(cells: Vec<Cell>, radius: f64, field: &Field) -> Vec<(Visit, Vec<Option<Ball>>)> {
+fn visit_all(cells: &[Cell], radius: f64, field: &Field) -> Vec<(Visit, Vec<Option<Ball>>)> {
     cells
         .par_chunks(CHUNK)
         .map_init(Scratch::default, |scratch, chunk| {
@@ -83,15 +145,15 @@ fn visit_all(cells: Vec<Cell>, radius: f64, field: &Field) -> Vec<(Visit, Vec<Op
             for cell in chunk {
                 visit(cell.clone(), radius, field, scratch, &mut out);
             }
-            let balls = out.proposals.iter().map(|cell| export(cell, field)).collect();
+            let ball = |cell: &Cell| cell.candidate().and_then(|candidate| export(candidate, field));
+            let balls = out.proposals.iter().map(ball).collect();
             (out, balls)
         })
         .collect()
 }
 
 /// The ball as it is stored: centre rounded to single precision, clearance taken there, radius rounded down.
-fn export(cell: &Cell, field: &Field) -> Option<Ball> {
-    let candidate = cell.candidate()?;
+fn export(candidate: &Candidate, field: &Field) -> Option<Ball> {
     let center = candidate.center.as_vec3().as_dvec3();
     let clearance = field.clearance(center, 2.0 * candidate.radius);
     let radius = round_down(clearance);
@@ -106,8 +168,8 @@ pub(super) fn round_down(x: f64) -> f32 {
     if f64::from(rounded) > x { rounded.next_down() } else { rounded }
 }
 
-fn roots(solid: &Solid) -> Vec<Cell> {
-    let (lower, upper) = solid.bounds();
+fn roots(field: &Field) -> Vec<Cell> {
+    let (lower, upper) = field.solid.bounds();
     let extent = upper - lower;
     let edge = extent.max_element() / ROOT_CELLS;
     let counts = (extent / edge).ceil().max(DVec3::ONE).as_ivec3();
@@ -120,13 +182,11 @@ fn roots(solid: &Solid) -> Vec<Cell> {
             }
         }
     }
-    let balls = BallGrid::default();
-    let field = Field { solid, balls: &balls };
     centers
         .into_par_iter()
         .filter_map(|center| {
             let mut cell = Cell::root(center, 0.5 * edge);
-            cell.update(&field);
+            cell.update(field);
             (cell.bound() > 0.0).then_some(cell)
         })
         .collect()
