@@ -16,7 +16,8 @@ fn overlaps(truth: &Truth, packings: &[SpherePacking; 2]) -> Vec<Overlap> {
 /// Median relative error of the volume in each band.
 fn volume_errors(truth: &Truth, overlaps: &[Overlap]) -> [f64; 3] {
     BANDS.map(|band| {
-        let in_band = truth.poses.iter().zip(overlaps).filter(|(pose, _)| truth.band(pose.volume) == Some(band));
+        let in_band =
+            truth.poses.iter().zip(overlaps).filter(|(pose, _)| truth.band(pose.volume) == Some(band));
         median(in_band.map(|(pose, overlap)| (f64::from(overlap.volume) / pose.volume - 1.0).abs()).collect())
     })
 }
@@ -24,7 +25,8 @@ fn volume_errors(truth: &Truth, overlaps: &[Overlap]) -> [f64; 3] {
 /// Median angle (degrees) between the force and the exact steepest descent of the volume in each band.
 fn direction_errors(truth: &Truth, overlaps: &[Overlap]) -> [f64; 3] {
     BANDS.map(|band| {
-        let in_band = truth.poses.iter().zip(overlaps).filter(|(pose, _)| truth.band(pose.volume) == Some(band));
+        let in_band =
+            truth.poses.iter().zip(overlaps).filter(|(pose, _)| truth.band(pose.volume) == Some(band));
         let angle = |(pose, overlap): (&rapier_ist_tests::TruePose, &Overlap)| {
             let gradient = Vec3::from_array(pose.volume_gradient.unwrap());
             f64::from(overlap.force.angle_between(-gradient).to_degrees())

@@ -1,1 +1,1 @@
-//! Placeholder.
+//! Benchmarks of the workspace: `cargo bench -p rapier-ist-benches`.
