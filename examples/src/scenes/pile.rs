@@ -28,7 +28,7 @@ const FIRST_LAYER: f32 = -0.2;
 const SIZES: [f32; 2] = [0.28, 0.44];
 /// Contact skin of a body, relative to its longest side: about as thick as the corners and teeth that a thousand spheres
 /// do not reach.
-const SKIN: f32 = 0.006;
+const SKIN: f32 = 0.008;
 /// Density of all bodies (kg/m³).
 const DENSITY: f32 = 1000.0;
 

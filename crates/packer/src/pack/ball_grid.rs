@@ -7,6 +7,7 @@
 
 use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
+use std::f64::consts::PI;
 
 /// A placed ball, exactly as it is exported.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,6 +17,10 @@ pub(super) struct Ball {
 }
 
 impl Ball {
+    pub(super) fn volume(&self) -> f64 {
+        4.0 / 3.0 * PI * self.radius.powi(3)
+    }
+
     /// Distance of `p` from the ball's surface, negative inside.
     #[inline]
     pub(super) fn distance(&self, p: DVec3) -> f64 {
@@ -32,13 +37,30 @@ pub(super) struct BallGrid {
 #[derive(Debug)]
 struct Level {
     largest_radius: f64,
-    cells: FxHashMap<IVec3, Vec<Ball>>,
+    /// Reciprocal width of a cell.
+    scale: f64,
+    cells: FxHashMap<u64, Vec<Ball>>,
 }
 
 impl Level {
-    fn cell(&self, p: DVec3) -> IVec3 {
-        (p / (2.0 * self.largest_radius)).floor().as_ivec3()
+    fn new(largest_radius: f64) -> Self {
+        Self { largest_radius, scale: 0.5 / largest_radius, cells: FxHashMap::default() }
     }
+
+    #[inline]
+    fn cell(&self, p: DVec3) -> IVec3 {
+        let p = p * self.scale;
+        // The floor, without the library call that it is on processors of before 2008.
+        let toward_zero = p.as_ivec3();
+        toward_zero - IVec3::from(p.cmplt(toward_zero.as_dvec3()))
+    }
+}
+
+/// Key of a cell, 21 bits a coordinate. Cells that share a key do no harm: the balls in them are found to be far.
+#[inline]
+fn key(cell: IVec3) -> u64 {
+    let bits = |x: i32| u64::from(x as u32 & 0x1F_FFFF);
+    bits(cell.x) | bits(cell.y) << 21 | bits(cell.z) << 42
 }
 
 impl BallGrid {
@@ -49,18 +71,18 @@ impl BallGrid {
     /// Adds a ball that is no larger than the first one.
     pub(super) fn insert(&mut self, ball: Ball) {
         if self.levels.is_empty() {
-            self.levels.push(Level { largest_radius: ball.radius, cells: FxHashMap::default() });
+            self.levels.push(Level::new(ball.radius));
         }
         let mut level = 0;
         while ball.radius <= 0.5 * self.levels[level].largest_radius {
             level += 1;
             if level == self.levels.len() {
                 let largest_radius = 0.5 * self.levels[level - 1].largest_radius;
-                self.levels.push(Level { largest_radius, cells: FxHashMap::default() });
+                self.levels.push(Level::new(largest_radius));
             }
         }
         let level = &mut self.levels[level];
-        level.cells.entry(level.cell(ball.center)).or_default().push(ball);
+        level.cells.entry(key(level.cell(ball.center))).or_default().push(ball);
         self.balls.push(ball);
     }
 
@@ -97,7 +119,7 @@ impl Level {
         for z in first.z..=last.z {
             for y in first.y..=last.y {
                 for x in first.x..=last.x {
-                    if let Some(balls) = self.cells.get(&IVec3::new(x, y, z)) {
+                    if let Some(balls) = self.cells.get(&key(IVec3::new(x, y, z))) {
                         balls.iter().for_each(&mut visit);
                     }
                 }

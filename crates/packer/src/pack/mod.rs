@@ -21,8 +21,12 @@ use ball_grid::{Ball, BallGrid};
 use glam::DVec3;
 use ist::{InnerSphere, PackingError, Provenance, SpherePacking};
 use rayon::prelude::*;
-use std::f64::consts::PI;
 use std::time::Instant;
+
+/// Gap samples of the smallest packings, whose cells are to be as exact as those of larger ones.
+const FEWEST_SAMPLES: usize = 200_000;
+/// Balls placed between two reports of progress.
+const BALLS_PER_PROGRESS: usize = 64;
 
 /// Why no packing was made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -105,67 +109,63 @@ pub fn pack_with_progress(
 ) -> Result<Packed, PackError> {
     options.validate()?;
     let started = Instant::now();
-    let volume = solid.properties().volume;
-    let asked = options.min_radius.unwrap_or(0.0);
-    let smallest = asked.max(resolution(solid));
-    let exhausted = if smallest > asked { StopReason::Exhausted } else { StopReason::MinRadius };
-    let (mut count, mut filled, mut stop) = (0, 0.0, exhausted);
-    let grid = rounds::place(solid, smallest, |ball| {
-        if count == options.spheres {
-            stop = StopReason::SphereCount;
-        } else if options.coverage.is_some_and(|coverage| filled >= coverage * volume) {
-            stop = StopReason::Coverage;
-        } else {
-            count += 1;
-            filled += 4.0 / 3.0 * PI * ball.radius.powi(3);
-            if count % 64 == 0 {
-                let by_count = count as f64 / options.spheres as f64;
-                let by_coverage = options.coverage.map_or(0.0, |coverage| filled / volume / coverage);
-                let fraction = by_count.max(by_coverage);
-                progress(Progress { spheres: count, coverage: filled / volume, fraction });
-            }
-            return true;
-        }
-        false
-    });
-    if count == 0 {
-        return Err(PackError::NothingFits { smallest });
-    }
+    let (grid, stop) = place(solid, options, &mut progress)?;
     let placed = Instant::now();
-    let samples = (options.samples_per_sphere * count).max(200_000);
+    let samples = (options.samples_per_sphere * grid.balls().len()).max(FEWEST_SAMPLES);
     let volumes = power_cells::volumes(solid, grid.balls(), samples);
     let measured = Instant::now();
     let (spheres, depths): (Vec<_>, Vec<_>) =
         grid.balls().par_iter().zip(&volumes).map(|(ball, volume)| sphere(solid, ball, *volume)).unzip();
-    let protrusion = grid
-        .balls()
-        .iter()
-        .zip(&depths)
-        .map(|(ball, depth)| ball.radius - depth)
-        .fold(f64::NEG_INFINITY, f64::max);
-    let overlap = deepest_overlap(&grid);
-    let mut radii: Vec<f64> = grid.balls().iter().map(|ball| ball.radius).collect();
-    radii.sort_by(f64::total_cmp);
-    let report = PackReport {
-        spheres: count,
-        coverage: filled / volume,
-        stop,
-        radius_min: radii[0],
-        radius_median: radii[count / 2],
-        radius_max: radii[count - 1],
-        protrusion,
-        overlap,
-        place_seconds: (placed - started).as_secs_f64(),
-        cells_seconds: (measured - placed).as_secs_f64(),
-        finish_seconds: measured.elapsed().as_secs_f64(),
-    };
-    let provenance = Provenance {
+    let mut report = PackReport::of_balls(grid.balls(), solid.properties().volume, stop);
+    report.protrusion = deepest_protrusion(grid.balls(), &depths);
+    report.overlap = deepest_overlap(grid.balls());
+    report.place_seconds = (placed - started).as_secs_f64();
+    report.cells_seconds = (measured - placed).as_secs_f64();
+    report.finish_seconds = measured.elapsed().as_secs_f64();
+    let packing =
+        SpherePacking::new(spheres, *solid.properties())?.with_provenance(provenance(solid, options));
+    Ok(Packed { packing, report })
+}
+
+/// Places balls until a stop of `options` is reached, and tells which it was.
+fn place(
+    solid: &Solid,
+    options: &PackOptions,
+    progress: &mut impl FnMut(Progress),
+) -> Result<(BallGrid, StopReason), PackError> {
+    let volume = solid.properties().volume;
+    let asked = options.min_radius.unwrap_or(0.0);
+    let smallest = asked.max(resolution(solid));
+    let mut stop = if smallest > asked { StopReason::Exhausted } else { StopReason::MinRadius };
+    let (mut count, mut filled) = (0, 0.0);
+    let grid = rounds::place(solid, smallest, |ball| {
+        if count == options.spheres {
+            stop = StopReason::SphereCount;
+            return false;
+        }
+        if options.coverage.is_some_and(|coverage| filled >= coverage * volume) {
+            stop = StopReason::Coverage;
+            return false;
+        }
+        count += 1;
+        filled += ball.volume();
+        if count % BALLS_PER_PROGRESS == 0 {
+            let by_count = count as f64 / options.spheres as f64;
+            let by_coverage = options.coverage.map_or(0.0, |coverage| filled / volume / coverage);
+            let fraction = by_count.max(by_coverage);
+            progress(Progress { spheres: count, coverage: filled / volume, fraction });
+        }
+        true
+    });
+    if count == 0 { Err(PackError::NothingFits { smallest }) } else { Ok((grid, stop)) }
+}
+
+fn provenance(solid: &Solid, options: &PackOptions) -> Provenance {
+    Provenance {
         generator: concat!("rapier-ist-packer ", env!("CARGO_PKG_VERSION")).into(),
         source: format!("{} {:016x}", options.source, solid.mesh().content_hash()).trim_start().into(),
         options: options.to_string(),
-    };
-    let packing = SpherePacking::new(spheres, *solid.properties())?.with_provenance(provenance);
-    Ok(Packed { packing, report })
+    }
 }
 
 /// Radius under which single precision no longer resolves a ball's place (m): 16 units in the last place of
@@ -185,11 +185,16 @@ fn sphere(solid: &Solid, ball: &Ball, volume: f64) -> (InnerSphere, f64) {
     (sphere, surface.depth)
 }
 
-/// The deepest overlap of any two balls: each against those placed before it.
-fn deepest_overlap(grid: &BallGrid) -> f64 {
+/// Farthest that a ball sticks out, from the depths of their centres (m); zero or less where all are inside.
+fn deepest_protrusion(balls: &[Ball], depths: &[f64]) -> f64 {
+    balls.iter().zip(depths).map(|(ball, depth)| ball.radius - depth).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// The deepest overlap of any two balls (m): each against those placed before it.
+fn deepest_overlap(balls: &[Ball]) -> f64 {
     let mut before = BallGrid::default();
     let mut deepest = f64::NEG_INFINITY;
-    for ball in grid.balls() {
+    for ball in balls {
         deepest = deepest.max(ball.radius - before.clearance(ball.center, 2.0 * ball.radius));
         before.insert(*ball);
     }

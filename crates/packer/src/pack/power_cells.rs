@@ -14,7 +14,6 @@ use super::noise::Noise;
 use crate::Solid;
 use glam::DVec3;
 use rayon::prelude::*;
-use std::f64::consts::PI;
 
 /// Doublings after which the boxes are shared out as tasks.
 const TASK_LEVEL: u32 = 3;
@@ -23,8 +22,7 @@ const FINEST: u32 = 12;
 
 /// Volumes of the cells of `balls`, summing to the volume of `solid`, for about `samples` gap samples.
 pub(super) fn volumes(solid: &Solid, balls: &[Ball], samples: usize) -> Vec<f64> {
-    let ball_volume = |ball: &Ball| 4.0 / 3.0 * PI * ball.radius.powi(3);
-    let own: Vec<f64> = balls.iter().map(ball_volume).collect();
+    let own: Vec<f64> = balls.iter().map(Ball::volume).collect();
     let total = solid.properties().volume;
     let gap = (total - own.iter().sum::<f64>()).max(0.0);
     let counts = count_samples(solid, balls, gap / samples.max(1) as f64);

@@ -1,5 +1,6 @@
 //! What the packer says about its work.
 
+use super::ball_grid::Ball;
 use std::fmt;
 
 /// Which of the asked limits ended the packing.
@@ -63,4 +64,25 @@ pub struct PackReport {
     pub cells_seconds: f64,
     /// Wall time for normals and residuals (s).
     pub finish_seconds: f64,
+}
+
+impl PackReport {
+    /// Count, coverage and radii of `balls`, at least one, in a solid of `volume`; the rest is left at zero.
+    pub(super) fn of_balls(balls: &[Ball], volume: f64, stop: StopReason) -> Self {
+        let mut radii: Vec<f64> = balls.iter().map(|ball| ball.radius).collect();
+        radii.sort_by(f64::total_cmp);
+        Self {
+            spheres: balls.len(),
+            coverage: balls.iter().map(Ball::volume).sum::<f64>() / volume,
+            stop,
+            radius_min: radii[0],
+            radius_median: radii[radii.len() / 2],
+            radius_max: radii[radii.len() - 1],
+            protrusion: 0.0,
+            overlap: 0.0,
+            place_seconds: 0.0,
+            cells_seconds: 0.0,
+            finish_seconds: 0.0,
+        }
+    }
 }

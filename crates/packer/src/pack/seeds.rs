@@ -60,7 +60,7 @@ fn thin_out(mut places: Vec<Candidate>) -> Vec<Candidate> {
 
 /// For every sample the farthest vertex of its Voronoi cell on the inner side, without repetition.
 fn inner_poles(field: &Field) -> Vec<DVec3> {
-    let count = field.solid.mesh().triangles.len().clamp(FEWEST_SAMPLES, MOST_SAMPLES);
+    let count = (2 * field.solid.mesh().triangles.len()).clamp(FEWEST_SAMPLES, MOST_SAMPLES);
     let samples = samples::on_surface(field.solid, count);
     let points: Vec<DVec3> = samples.iter().map(|sample| sample.point).collect();
     let vertices = voronoi::vertices(&points);
