@@ -20,3 +20,8 @@ pub use model::{ContactModel, Stiffness, VolumePenalty};
 pub use plugin::IstPlugin;
 pub use report::{PairContact, StepReport};
 pub use shape::IstShape;
+
+// The README's code, compiled with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;
