@@ -60,7 +60,7 @@ fn a_ball_sinks_until_stiffness_times_volume_is_its_weight() {
 
 #[test]
 fn a_ball_is_stopped_where_it_touches_at_any_stiffness() {
-    for stiffness in [1e5, 1e8, 1e11] {
+    for stiffness in [1e7, 1e9, 1e11] {
         let (mut world, mut plugin) = grounded();
         stiff(&mut plugin, stiffness);
         let body = RigidBodyBuilder::dynamic().translation(Vec3::Y * 1.0).linvel(Vec3::Y * -6.0);
@@ -68,7 +68,7 @@ fn a_ball_is_stopped_where_it_touches_at_any_stiffness() {
         for _ in 0..120 {
             plugin.step(&mut world);
             let body = &world.bodies[handle];
-            assert!(body.translation().y > 0.0 && body.linvel().length() < 8.0, "{stiffness}");
+            assert!(body.translation().y > 0.05 && body.linvel().length() < 8.0, "{stiffness}");
         }
     }
 }

@@ -69,7 +69,7 @@ fn motion(world: &PhysicsWorld, collider: &Collider) -> (Pose, Displacement) {
     let (Some(body), Some(local)) = (parent, collider.position_wrt_parent()) else {
         return (*collider.position(), Displacement::default());
     };
-    (*body.position() * *local, Displacement::of(body, world.gravity, world.integration_parameters.dt))
+    (*body.position() * *local, Displacement::of(body, world.integration_parameters.dt))
 }
 
 struct Near<'a> {

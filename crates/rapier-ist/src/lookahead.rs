@@ -7,7 +7,7 @@
 use crate::penalty::Screw;
 use rapier3d::dynamics::{RigidBody, RigidBodyType};
 use rapier3d::glamx::DVec3;
-use rapier3d::math::{Pose, Real, Rotation, Vector};
+use rapier3d::math::{Pose, Real, Rotation};
 
 /// A small rigid displacement about a body's centre of mass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,13 +19,18 @@ pub(crate) struct Displacement {
 }
 
 impl Displacement {
-    /// What `body` would do in `dt` seconds under gravity and the user's forces.
-    pub(crate) fn of(body: &RigidBody, gravity: Vector, dt: Real) -> Self {
+    /// What `body` does in `dt` seconds at its present velocity.
+    ///
+    /// Without gravity and other forces: a body at rest is then measured where it lies, and the force on it is
+    /// not a linearisation but exact.
+    pub(crate) fn of(body: &RigidBody, dt: Real) -> Self {
         let center = body.center_of_mass().as_dvec3();
         let screw = match body.body_type() {
             _ if body.is_sleeping() || body.is_fixed() => Screw::ZERO,
             RigidBodyType::KinematicPositionBased => target(body),
-            _ => predicted_twist(body, gravity, dt) * f64::from(dt),
+            _ => {
+                Screw { linear: body.linvel().as_dvec3(), angular: body.angvel().as_dvec3() } * f64::from(dt)
+            }
         };
         Self { center, screw: if screw.is_finite() { screw } else { Screw::ZERO } }
     }
@@ -55,19 +60,6 @@ impl Displacement {
     /// How far the point that ends up at `point` has moved (m).
     pub(crate) fn at(&self, point: DVec3) -> DVec3 {
         self.screw.linear + self.screw.angular.cross(point - self.center - self.screw.linear)
-    }
-}
-
-/// Twist of `body` after `dt` seconds of gravity and user forces.
-fn predicted_twist(body: &RigidBody, gravity: Vector, dt: Real) -> Screw {
-    let mass = body.mass_properties();
-    let free = mass.effective_inv_mass.cmpgt(Vector::ZERO);
-    let gravity = Vector::select(free, gravity * body.gravity_scale(), Vector::ZERO);
-    let linear = gravity + mass.effective_inv_mass * body.user_force();
-    let angular = mass.effective_world_inv_inertia * body.user_torque();
-    Screw {
-        linear: (body.linvel() + linear * dt).as_dvec3(),
-        angular: (body.angvel() + angular * dt).as_dvec3(),
     }
 }
 
