@@ -65,7 +65,7 @@ fn count_samples(solid: &Solid, balls: &[Ball], volume_per_sample: f64) -> Vec<u
         .with_max_len(1)
         .map(|(task, list)| {
             let mut hits = Vec::new();
-            sampler.descend(&task, &list, false, &mut hits);
+            sampler.descend(&task, &list, Place::Near(f64::INFINITY), &mut hits);
             hits.sort_unstable();
             let mut runs: Vec<(u32, u32)> = Vec::new();
             for ball in hits {
@@ -118,6 +118,15 @@ impl Box {
     }
 }
 
+/// Where a box lies.
+#[derive(Clone, Copy, Debug)]
+enum Place {
+    /// Wholly in the solid.
+    Inside,
+    /// Anywhere; but each of its points has the surface within this distance.
+    Near(f64),
+}
+
 struct Sampler<'a> {
     solid: &'a Solid,
     balls: &'a [Ball],
@@ -149,14 +158,23 @@ impl Sampler<'_> {
         list.iter().filter(reaches).copied().collect()
     }
 
-    /// Adds the ball of every gap sample in `within` to `hits`. `inside` tells that the box lies in the solid;
-    /// otherwise nothing is known.
-    fn descend(&self, within: &Box, list: &[u32], mut inside: bool, hits: &mut Vec<u32>) {
+    /// Whether the surface, no farther than `bound` from `p`, encloses it.
+    fn contains(&self, p: DVec3, bound: f64) -> bool {
+        // Rounding must not put the surface beyond its bound.
+        self.solid.closest_point_within(p, bound * (1.0 + 1e-6)).is_some_and(|nearest| nearest.depth >= 0.0)
+    }
+
+    /// Adds the ball of every gap sample in `within` to `hits`; `place` tells what is known of the box.
+    fn descend(&self, within: &Box, list: &[u32], mut place: Place, hits: &mut Vec<u32>) {
         let reach = within.half_diagonal();
         if within.depth == 0 {
             let p = within.sample();
             let (ball, power) = self.nearest(p, list);
-            if power > 0.0 && (inside || self.solid.contains(p)) {
+            let is_inside = || match place {
+                Place::Inside => true,
+                Place::Near(bound) => self.contains(p, bound),
+            };
+            if power > 0.0 && is_inside() {
                 hits.push(ball);
             }
             return;
@@ -166,13 +184,13 @@ impl Sampler<'_> {
         if self.balls[nearest as usize].distance(within.center) < -reach {
             return;
         }
-        if !inside {
+        if let Place::Near(bound) = place {
             // Nothing within reach means that the box is wholly inside or wholly outside.
-            match self.solid.closest_point_within(within.center, reach) {
-                Some(_) => {}
-                None if self.solid.contains(within.center) => inside = true,
+            place = match self.solid.closest_point_within(within.center, reach) {
+                Some(nearest) => Place::Near(nearest.depth.abs() + reach),
+                None if self.contains(within.center, bound) => Place::Inside,
                 None => return,
-            }
+            };
         }
         for child in within.children() {
             let kept;
@@ -182,7 +200,7 @@ impl Sampler<'_> {
             } else {
                 list
             };
-            self.descend(&child, list, inside, hits);
+            self.descend(&child, list, place, hits);
         }
     }
 }

@@ -4,7 +4,8 @@
 //! tests all four and two cache lines hold a node (H. Dammertz, J. Hanika and A. Keller, *Shallow bounding volume
 //! hierarchies for fast SIMD ray tracing of incoherent rays*, 2008); see [`build`] for the tree below.
 //! Boxes only exclude: they are rounded outwards, and distances to triangles are in double precision. Queries
-//! take a bound from the caller: the packer nearly always knows one.
+//! take a bound from the caller: the packer nearly always knows one. Against binary nodes in double precision,
+//! packing the pinion gear with 10,000 balls took 4 to 14 % less time, measured on a busy machine.
 
 mod build;
 
