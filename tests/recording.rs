@@ -1,4 +1,5 @@
 //! The recording of a pile, read back.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use foxglove::Decode;
 use foxglove::messages::{FrameTransforms, SceneUpdate};

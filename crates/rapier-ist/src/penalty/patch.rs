@@ -77,7 +77,8 @@ mod tests {
 
     #[test]
     fn a_body_wholly_inside_is_as_deep_as_it_is_large() {
-        let patches = patches(&[sample(Vec3::Y, 0.001, 0.0)]);
+        let samples = [sample(Vec3::Y, 0.001, 0.0)];
+        let patches = patches(&samples);
         assert!((patches[0].depth - 0.1 / LEAST_CROSS_SECTION).abs() < 1e-6);
     }
 }
