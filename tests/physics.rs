@@ -205,6 +205,20 @@ fn equal_runs_are_equal_bit_for_bit_on_any_number_of_threads() {
 }
 
 #[test]
+fn a_shape_from_a_mesh_weighs_what_the_mesh_weighs() {
+    let mesh = shapes::cuboid(glam::DVec3::new(0.1, 0.2, 0.3));
+    let vertices: Vec<Vec3> = mesh.vertices.iter().map(|v| v.as_vec3()).collect();
+    let shape = IstShape::from_mesh(&vertices, &mesh.triangles, 50).unwrap();
+    let mass = rapier3d::geometry::Shape::mass_properties(&shape, DENSITY);
+    assert!((mass.mass() / 48.0 - 1.0).abs() < 1e-5);
+    let inertia = mass.reconstruct_inertia_matrix();
+    for (axis, square) in [0.04 + 0.09, 0.01 + 0.09, 0.01 + 0.04].into_iter().enumerate() {
+        assert!((inertia.col(axis)[axis] / (48.0 * square / 3.0) - 1.0).abs() < 1e-4);
+    }
+    assert!(IstShape::from_mesh(&vertices, &mesh.triangles[1..], 50).is_err(), "an open mesh has no inside");
+}
+
+#[test]
 fn bad_options_name_the_option() {
     let error = Pile::new(&PileOptions { spheres: 0, ..PileOptions::default() }, |_| ()).err().unwrap();
     assert!(error.to_string().contains("--spheres"));

@@ -44,7 +44,7 @@ pub struct Provenance {
 pub enum FileError {
     /// The file could not be read.
     #[cfg(feature = "std")]
-    #[error("cannot read {}: {source}", path.display())]
+    #[error("cannot read {}", path.display())]
     Io {
         /// The file.
         path: std::path::PathBuf,

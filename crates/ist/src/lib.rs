@@ -34,7 +34,6 @@
 //!
 //! # Features
 //! - `std` (default): file access.
-//! - `parallel`: batch queries on all cores through rayon.
 #![cfg_attr(not(feature = "std"), no_std)]
 
 extern crate alloc;

@@ -1,8 +1,45 @@
 //! Dynamic non-convex bodies that simply collide: volume-penalty contacts for Rapier.
+//!
+//! Rapier's triangle meshes are hollow. An [`IstShape`] has an inside: an inner sphere tree (crate
+//! `rapier-ist-core`) that tells how much two solids overlap. An [`IstPlugin`] steps the world and pushes overlapping
+//! bodies apart with a force in proportion to the volume, found by one linearly implicit solve per step, which is
+//! stable at any stiffness.
+//!
+//! ```
+//! use ist::{InnerSphere, SolidProperties, SpherePacking};
+//! use rapier_ist::{IstPlugin, IstShape};
+//! use rapier3d::prelude::*;
+//!
+//! // One sphere is a packing of a ball; the packer makes packings of meshes.
+//! let sphere = InnerSphere::solid_ball(Vector::ZERO, 0.1, Vector::Y);
+//! let ball = IstShape::from_packing(&SpherePacking::new(vec![sphere], SolidProperties::ball(0.1))?);
+//!
+//! let mut world = PhysicsWorld::new();
+//! let mut plugin = IstPlugin::install(&mut world);
+//! world.insert(RigidBodyBuilder::fixed(), ball.clone().into_collider());
+//! let falling = RigidBodyBuilder::dynamic().translation(Vector::new(0.0, 0.3, 0.0));
+//! let (falling, _) = world.insert(falling, ball.into_collider());
+//! for _ in 0..60 {
+//!     plugin.step(&mut world);
+//! }
+//! assert!(world.bodies[falling].translation().y > 0.19, "it lies on the other ball");
+//! # Ok::<(), ist::PackingError>(())
+//! ```
+//!
+//! An [`IstShape`] also collides with Rapier's own shapes, in the same solve. Colliders keep their friction, restitution,
+//! combine rules, contact skin, groups and sensors; hooks and events go through [`IstPlugin::step_with_events`].
+//! [`ContactModel::VolumeManifold`] hands the same overlap to Rapier's own solver instead.
+//!
+//! # Features
+//! - `mcap`: `record`, trajectories in MCAP files with Foxglove's schemas.
+//! - `packer`: `IstShape::from_mesh`.
+//! - `parallel`, `enhanced-determinism`, `serde-serialize`, `debug-render`: as Rapier's features of these names.
 
 mod against_shape;
 mod candidates;
 mod dispatcher;
+#[cfg(feature = "packer")]
+mod from_mesh;
 mod hooks;
 mod lookahead;
 mod model;
@@ -16,6 +53,8 @@ mod response;
 mod shape;
 
 pub use dispatcher::IstDispatcher;
+#[cfg(feature = "packer")]
+pub use from_mesh::FromMeshError;
 pub use model::{ContactModel, Stiffness, VolumePenalty};
 pub use plugin::IstPlugin;
 pub use report::{PairContact, StepReport};

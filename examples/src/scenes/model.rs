@@ -61,7 +61,7 @@ impl Model {
     /// # Errors
     /// Where the file cannot be read, and as [`Self::new`].
     pub fn load(path: &Path, spheres: usize, kind: ShapeKind) -> Result<Self> {
-        let mesh = TriangleMesh::load(path)?;
+        let mesh = TriangleMesh::load(path).with_context(|| format!("cannot use {}", path.display()))?;
         let name = path.file_stem().map_or_else(|| "mesh".into(), |stem| stem.to_string_lossy().into_owned());
         Self::new(name, mesh, spheres, kind)
     }
