@@ -7,7 +7,7 @@ use glamx::Pose3;
 use ist::{InnerSphere, InnerSphereTree, OverlapWorkspace, SpherePacking};
 use packer::{PackOptions, Solid, TriangleMesh, pack};
 use rapier_ist_examples::figures::percentile;
-use rapier_ist_examples::output::{check_folder_of, write_whole};
+use rapier_ist_examples::output::{check_folder_of, exit_code, write_whole};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -67,13 +67,7 @@ struct OverlapRecord {
 }
 
 fn main() -> ExitCode {
-    match run(&Arguments::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error:#}");
-            ExitCode::from(2)
-        }
-    }
+    exit_code(run(&Arguments::parse()))
 }
 
 fn run(arguments: &Arguments) -> Result<()> {

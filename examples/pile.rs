@@ -5,7 +5,7 @@ use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
 use rapier_ist::record::{BodyDescription, RecordOptions, Recorder};
 use rapier_ist_examples::figures::{Summary, Timings};
-use rapier_ist_examples::output::{check_folder_of, write_whole};
+use rapier_ist_examples::output::{check_folder_of, exit_code, write_whole};
 use rapier_ist_examples::palette;
 use rapier_ist_examples::render::{Mesh, PictureSize, Scene, Surface};
 use rapier_ist_examples::scenes::{Pile, PileOptions, ShapeKind, single_precision};
@@ -52,13 +52,7 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    match run(&Arguments::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error:#}");
-            ExitCode::from(2)
-        }
-    }
+    exit_code(run(&Arguments::parse()))
 }
 
 fn run(arguments: &Arguments) -> Result<()> {

@@ -1,8 +1,21 @@
-//! Files that are there as a whole or not at all.
+//! What the examples leave behind: an exit status, and files that are there as a whole or not at all.
 
 use anyhow::{Context, Result, ensure};
 use std::io::Write;
 use std::path::Path;
+use std::process::ExitCode;
+
+/// Exit status of an example: 0, or 2 after telling what was wrong.
+#[must_use]
+pub fn exit_code(result: Result<()>) -> ExitCode {
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}
 
 /// Refuses a path that cannot be written, before any work is done for it.
 ///

@@ -22,7 +22,11 @@ impl IstShape {
     ///
     /// # Errors
     /// Where the mesh is open or otherwise encloses no solid, or `spheres` is zero; the error names the place.
-    pub fn from_mesh(vertices: &[Vector], triangles: &[[u32; 3]], spheres: usize) -> Result<Self, FromMeshError> {
+    pub fn from_mesh(
+        vertices: &[Vector],
+        triangles: &[[u32; 3]],
+        spheres: usize,
+    ) -> Result<Self, FromMeshError> {
         let vertices = vertices.iter().map(|v| v.as_dvec3()).collect();
         let solid = Solid::new(&TriangleMesh { vertices, triangles: triangles.to_vec() })?;
         Ok(Self::from_packing(&packer::pack(&solid, &PackOptions::balanced().spheres(spheres))?.packing))
