@@ -56,7 +56,7 @@ fn holds_every_pose_and_every_mesh() {
     }
     assert!(messages["/tf"] >= 60);
     assert!(messages.contains_key("/contacts") && messages.contains_key("/scene/contacts"));
-    assert_eq!(last, 1_000_000_000, "60 steps of 1/60 s");
+    assert!(last.abs_diff(1_000_000_000) < 1000, "60 steps of 1/60 s end at {last} ns");
 }
 
 #[test]
