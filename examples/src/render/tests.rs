@@ -110,22 +110,3 @@ fn nothing_and_nonsense_are_drawn_without_a_panic() {
         let _ = scene.render(&Camera::new(eye, Vec3::ZERO), SIZE);
     }
 }
-
-/// `cargo test --release -p rapier-ist-examples speed -- --ignored --nocapture`
-#[test]
-#[ignore = "a measurement"]
-fn speed_of_a_full_picture() {
-    let mesh = Mesh::new(&shapes::ring(0.4, 0.15, [64, 32]));
-    let scene = crowd(&mesh, 49, 20_000);
-    let camera = scene.framed_from(Vec3::new(0.3, 0.6, 1.0), PictureSize::HD);
-    let mut times: Vec<f64> = (0..9)
-        .map(|_| {
-            let start = std::time::Instant::now();
-            let _ = scene.render(&camera, PictureSize::HD);
-            start.elapsed().as_secs_f64()
-        })
-        .collect();
-    times.sort_by(f64::total_cmp);
-    let triangles = 49 * mesh.triangles.len();
-    println!("{triangles} triangles, 20000 balls: best {:.3} s, median {:.3} s", times[0], times[4]);
-}
