@@ -51,7 +51,7 @@ pub(crate) fn cube_root(x: f64) -> f64 {
     if !(x > 0.0 && x.is_finite()) {
         return if x > 0.0 { x } else { 0.0 };
     }
-    // A third of the exponent is a first guess good to 6 %; each step squares the relative error.
+    // A third of the exponent is the first guess; each step squares the relative error.
     let mut y = f64::from_bits(x.to_bits() / 3 + 0x2A9F_7893_6A95_8D42);
     for _ in 0..5 {
         y -= (y - x / (y * y)) / 3.0;

@@ -11,10 +11,12 @@ use rapier3d::pipeline::PhysicsWorld;
 /// Stiffness of [`Stiffness::Automatic`] in units of weight per cubed size; see [`automatic_stiffness`].
 ///
 /// With 5e4 the pile example (seeds 1 to 4) is asleep within 10 s and no exact mesh is deeper in another than 1.6 to
-/// 2.2 % of the smaller body. With 2e4 up to 7.6 %; from 2e5 on some bodies keep creeping at a few cm/s.
+/// 2.2 % of the smaller body. Before contacts were measured
+/// at the present velocity, 2e4 left up to 7.6 %, and from 2e5 on some bodies kept creeping at a few cm/s.
 const RELATIVE_STIFFNESS: f64 = 5e4;
 
-/// Approach speed (m/s, times `length_unit`) under which nothing rebounds, so that resting bodies come to rest.
+/// Approach speed (m/s, times `length_unit`) under which nothing rebounds, so that resting bodies come to rest: a little
+/// more than gravity adds in a step of 1/60 s. Not tuned.
 const REBOUND_SPEED: f64 = 0.2;
 
 /// Speed (m/s, times `length_unit`) of a contact point from which on it wakes a sleeping body.

@@ -31,7 +31,7 @@ pub struct ContactSample {
 /// Length of a sum of area vectors over the sum of their lengths from which on the sum alone gives the normal.
 ///
 /// With 0.3 the sum of all samples is 5.7 / 4.7 / 11.8° (shallow / mid / deep, medians, two rabbits of 1,000 spheres)
-/// off the exact volume gradient; single centre lines are 19 / 16 / 43° off.
+/// off the exact volume gradient; a weight from the length against V^⅔ leaves 7.1 / 4.8 / 13.3°.
 const SIGNIFICANT: f32 = 0.3;
 
 /// Overlapping pairs of spheres and what each sphere of either side sees of the overlap.

@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 
 /// Scratch memory of an overlap query; keep one per thread and hand it to every query.
 ///
-/// It grows with the largest pair of trees it has seen (about 90 bytes per sphere of the first tree) and a query
+/// It grows with the largest pair of trees it has seen and a query
 /// that fits allocates nothing. Its content never affects a result.
 #[derive(Clone, Debug, Default)]
 pub struct OverlapWorkspace {

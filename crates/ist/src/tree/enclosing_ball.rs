@@ -2,8 +2,7 @@
 
 use glam::Vec3;
 
-/// Steps of the iteration below. On the first level of the bunny's tree (1,000 spheres) 16 steps leave the
-/// radii 2.1 % above those of 1,000 steps, 64 steps 0.6 %, 256 steps 0.1 %.
+/// Steps of the iteration below; its error falls as one over their number. Not tuned.
 const STEPS: usize = 64;
 
 /// Room for the rounding of centres that are transformed before they are tested, relative to their distance

@@ -21,7 +21,7 @@ pub(crate) const WIDTH: usize = 8;
 /// A hierarchy over the spheres of a packing; the solid that queries run against.
 ///
 /// Cloning and scaling are O(1): the hierarchy is shared. Building costs O(n log n) time, and a tree takes
-/// about 45 bytes per sphere.
+/// about 39 bytes per sphere.
 #[derive(Clone, Debug)]
 pub struct InnerSphereTree {
     data: Arc<TreeData>,
