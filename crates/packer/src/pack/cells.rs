@@ -2,6 +2,7 @@
 
 use super::ball_grid::Ball;
 use super::field::{Candidate, Field, Scratch};
+use super::search;
 use crate::Solid;
 use glam::DVec3;
 
@@ -154,7 +155,8 @@ fn settle(mut cell: Cell, radius: f64, field: &Field, scratch: &mut Scratch, out
         .is_some_and(|c| !c.at_boundary && field.balls.clearance(c.center, c.radius) >= c.radius);
     if !still_there {
         let reach = REACH * cell.half_diagonal();
-        cell.candidate = Some(field.ascend(cell.center, cell.clearance, reach, scratch));
+        cell.candidate =
+            Some(search::ascend(field, cell.center, cell.clearance, reach, &mut scratch.obstacles));
     }
     match cell.candidate {
         Some(k) if k.radius >= radius && !k.at_boundary => out.proposals.push(cell),

@@ -6,10 +6,12 @@ mod cells;
 mod field;
 mod noise;
 mod options;
+mod plateau;
 mod power_cells;
 mod report;
 mod rounds;
 mod samples;
+mod search;
 mod seeds;
 mod voronoi;
 

@@ -11,6 +11,7 @@
 use super::ball_grid::{Ball, BallGrid};
 use super::cells::{Cell, Visit, visit};
 use super::field::{Candidate, Field, Scratch};
+use super::plateau::{self, Waiting};
 use super::seeds;
 use crate::Solid;
 use glam::DVec3;
@@ -87,7 +88,7 @@ impl<W: FnMut(&Ball) -> bool> Placing<'_, W> {
             if balls.is_empty() {
                 return ControlFlow::Continue(());
             }
-            self.accept(balls)?;
+            self.accept(balls, radius)?;
         }
     }
 
@@ -115,22 +116,25 @@ impl<W: FnMut(&Ball) -> bool> Placing<'_, W> {
                     }
                 }
             }
-            self.accept(balls)?;
+            self.accept(balls, radius)?;
         }
         ControlFlow::Continue(())
     }
 
-    /// Places those of `balls` that do not meet a larger or an earlier one.
-    fn accept(&mut self, mut balls: Vec<Ball>) -> ControlFlow<()> {
-        // The sort is stable: of equals the first comes first.
-        balls.sort_by(|a, b| b.radius.total_cmp(&a.radius));
-        for ball in balls {
-            if self.balls.clearance(ball.center, ball.radius) >= ball.radius {
-                if !(self.wanted)(&ball) {
-                    return ControlFlow::Break(());
-                }
-                self.balls.insert(ball);
+    /// Places those of `proposals`, of at least `radius`, that do not meet an earlier one; see [`super::plateau`]
+    /// for those that wait for the next pass. The first in order is always placed.
+    fn accept(&mut self, proposals: Vec<Ball>, radius: f64) -> ControlFlow<()> {
+        let mut waiting = Waiting::default();
+        for (ball, contacts) in plateau::in_order(proposals, radius, &self.balls) {
+            if waiting.holds(&ball, contacts) || self.balls.clearance(ball.center, ball.radius) < ball.radius
+            {
+                continue;
             }
+            if !(self.wanted)(&ball) {
+                return ControlFlow::Break(());
+            }
+            waiting.placed(&ball);
+            self.balls.insert(ball);
         }
         ControlFlow::Continue(())
     }
