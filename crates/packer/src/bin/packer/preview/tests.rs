@@ -33,8 +33,7 @@ fn extent(pixels: &[[u8; 3]]) -> (usize, usize) {
     let row = &pixels[375 * WIDTH..376 * WIDTH];
     let is_thing = |x: &usize| (0..3).any(|c| row[*x][c].abs_diff(row[0][c]) > 20);
     let mut columns = (0..WIDTH).filter(is_thing);
-    let first = columns.next().unwrap();
-    (first, columns.last().unwrap())
+    (columns.next().unwrap(), columns.next_back().unwrap())
 }
 
 /// Greatest difference to the pixel in the middle, of any channel, in a square around it.
