@@ -79,7 +79,7 @@ fn a_run_killed_at_random_times_goes_on() {
     let at = folder.path();
     let whole = uninterrupted(at);
     let mut dice = Dice(2024);
-    for _ in 0..12 {
+    for _ in 0..8 {
         let mut child = start(at);
         std::thread::sleep(Duration::from_micros(dice.below(150_000)));
         child.kill().unwrap();
@@ -125,8 +125,8 @@ fn the_same_run_several_times_at_once_gives_the_same_files() {
     let folder = folder();
     let at = folder.path();
     let whole = uninterrupted(at);
-    for _ in 0..3 {
-        let children: Vec<_> = (0..4)
+    for _ in 0..2 {
+        let children: Vec<_> = (0..3)
             .map(|_| packer(at, &ARGUMENTS).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap())
             .collect();
         for child in children {

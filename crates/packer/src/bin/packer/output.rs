@@ -1,7 +1,7 @@
 //! Files that are there whole or not at all, and lines on standard output.
 
 use anyhow::{Context, bail};
-use std::io::{ErrorKind, Write};
+use std::io::{Error, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 /// Start of the names of files that are being written.
@@ -78,17 +78,26 @@ pub(crate) fn write_tagged(path: &Path, bytes: &[u8], tag: &str) -> anyhow::Resu
         file.persist(path)?;
         Ok(())
     };
-    let mut result = write();
+    // Another run may take the temporary file for one that a killed run had left; but a folder that is gone is gone.
+    let is_worth_another_try = |error: &Error| error.kind() == ErrorKind::NotFound && folder(path).is_dir();
+    retried(write, is_worth_another_try).with_context(|| {
+        format!("cannot write {}; check that its folder is writable and has space left", path.display())
+    })
+}
+
+/// Tries `action` until it succeeds, fails for a reason that another try does not mend, or has had its attempts.
+fn retried(
+    mut action: impl FnMut() -> std::io::Result<()>,
+    is_worth_another_try: impl Fn(&Error) -> bool,
+) -> std::io::Result<()> {
+    let mut result = action();
     for _ in 1..ATTEMPTS {
         match &result {
-            // Another run took the temporary file for one that a killed run had left.
-            Err(error) if error.kind() == ErrorKind::NotFound && folder(path).is_dir() => result = write(),
+            Err(error) if is_worth_another_try(error) => result = action(),
             _ => break,
         }
     }
-    result.with_context(|| {
-        format!("cannot write {}; check that its folder is writable and has space left", path.display())
-    })
+    result
 }
 
 /// Prints one line.
@@ -103,4 +112,37 @@ pub(crate) fn message(error: &anyhow::Error) -> String {
         cause if text.is_empty() => cause,
         cause => format!("{text}: {cause}"),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_is_taken_away_is_written_again() {
+        let outcome = |failures: usize, kind: ErrorKind| {
+            let mut tries = 0;
+            let action = || {
+                tries += 1;
+                if tries <= failures { Err(Error::from(kind)) } else { Ok(()) }
+            };
+            let result = retried(action, |error| error.kind() == ErrorKind::NotFound);
+            (result.is_ok(), tries)
+        };
+        assert_eq!(outcome(0, ErrorKind::NotFound), (true, 1));
+        assert_eq!(outcome(2, ErrorKind::NotFound), (true, 3));
+        assert_eq!(outcome(99, ErrorKind::NotFound), (false, ATTEMPTS));
+        assert_eq!(outcome(2, ErrorKind::StorageFull), (false, 1));
+    }
+
+    #[test]
+    fn a_failed_write_names_the_file_and_leaves_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let taken = folder.path().join("taken");
+        std::fs::create_dir(&taken).unwrap();
+        let error = write(&taken, b"bytes").unwrap_err();
+        assert!(error.to_string().contains("taken"), "{error}");
+        assert!(write(&folder.path().join("no/file"), b"bytes").is_err());
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
 }
