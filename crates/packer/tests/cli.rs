@@ -165,11 +165,7 @@ fn examples_in_the_help_are_understood() {
         let help = String::from_utf8(packer(at, [command, "--help"]).stdout).unwrap();
         let examples = help.split_once("Examples:").unwrap().1;
         for line in examples.lines().filter_map(|line| line.strip_prefix("  packer ")) {
-            let arguments = line
-                .split('>')
-                .next()
-                .unwrap()
-                .replace("\"$SLURM_ARRAY_TASK_ID/$SLURM_ARRAY_TASK_COUNT\"", "2/8");
+            let arguments = line.split('>').next().unwrap().replace("\"$SLURM_ARRAY_TASK_ID/8\"", "2/8");
             // The meshes of some examples are not here: what counts is that no argument is refused.
             let output = Command::new(env!("CARGO_BIN_EXE_packer"))
                 .current_dir(at)

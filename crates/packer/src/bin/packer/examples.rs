@@ -26,8 +26,8 @@ Examples:
   packer batch meshes -o packings --preset fine --json > report.json
   packer batch meshes -o packings --shard 3/8
 
-As a Slurm array job, with #SBATCH --array=1-8:
-  packer batch meshes -o packings --shard \"$SLURM_ARRAY_TASK_ID/$SLURM_ARRAY_TASK_COUNT\"
+In a Slurm array job with --array=1-8; docs/packing.md has the whole file, and one for Kubernetes:
+  packer batch meshes -o packings --shard \"$SLURM_ARRAY_TASK_ID/8\"
 
 Exit status: 0 if every mesh has its packing, 2 if any failed; all others are packed all the same.";
 
