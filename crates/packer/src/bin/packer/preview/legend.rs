@@ -51,10 +51,12 @@ fn write(text: &str, left: usize, top: usize, pixels: &mut [[u8; 3]]) {
 
 /// Three significant digits, as a power of ten where a plain number would be long.
 fn number(value: f64) -> String {
-    if !(1e-3..1e4).contains(&value) {
-        return format!("{value:.2e}");
+    let scientific = format!("{value:.2e}");
+    // Of the rounded number: 0.0099999 is 0.0100.
+    let exponent: i32 = scientific.split_once('e').and_then(|(_, e)| e.parse().ok()).unwrap_or_default();
+    if !(-3..4).contains(&exponent) {
+        return scientific;
     }
-    let exponent = value.log10().floor() as i32;
     format!("{value:.*}", (2 - exponent).max(0) as usize)
 }
 
@@ -93,6 +95,9 @@ mod tests {
         for (value, text) in [
             (0.012_12, "0.0121"),
             (0.268_3, "0.268"),
+            (f64::from(0.01_f32), "0.0100"),
+            (0.999_6, "1.00"),
+            (0.000_999_99, "0.00100"),
             (1.0, "1.00"),
             (12.345, "12.3"),
             (1234.5, "1234"),
