@@ -303,6 +303,13 @@ fn no_output_replaces_the_input_or_another_output() {
         assert!(stderr.contains(message), "{arguments:?}: {stderr}");
     }
     assert_eq!((names(at), read("cube.obj"), read("cube.ist")), before);
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("cube.obj", at.join("link.obj")).unwrap();
+        let output = packer(at, ["pack", "link.obj", "-o", "cube.obj"]);
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+        assert!(read("cube.obj") == before.1);
+    }
 }
 
 #[test]

@@ -45,10 +45,12 @@ pub(crate) fn check_distinct<'a>(
         let folder = folder(path).canonicalize().unwrap_or_else(|_| folder(path).to_owned());
         path.file_name().map_or_else(|| folder.clone(), |name| folder.join(name))
     };
-    let mut taken = vec![place(input)];
+    // The input by its name and, where that is a link, the file that it stands for.
+    let inputs = [place(input), input.canonicalize().unwrap_or_else(|_| input.to_owned())];
+    let mut taken = Vec::new();
     for output in outputs {
         let place = place(output);
-        if place == taken[0] {
+        if inputs.contains(&place) {
             bail!("{} is the input; choose another name for the output", output.display());
         }
         if taken.contains(&place) {
