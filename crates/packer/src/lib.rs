@@ -16,6 +16,7 @@
 //! - [`pack()`] places the balls. Every ball lies inside the mesh and apart from all others, as exported in
 //!   single precision; the cells tile the solid; a larger packing begins with the smaller one; and the
 //!   result is the same bit by bit for any number of threads.
+//! - [`export`] writes packings as CSV, JSON and URDF.
 //!
 //! # Limits
 //! The surface must be closed and every edge must have two faces. Where a surface cuts itself, a ball is kept only
@@ -25,6 +26,7 @@
 //! - `cli` (default): the program `packer`. Libraries that pack at load time turn it off.
 
 mod error;
+pub mod export;
 mod load;
 mod mesh;
 mod pack;

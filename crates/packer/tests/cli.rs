@@ -1,5 +1,5 @@
 //! The program `packer`, from outside.
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
 #![cfg(feature = "cli")]
 
 mod common;
@@ -132,6 +132,200 @@ fn bad_input_gives_a_message_and_status_2_and_leaves_nothing_behind() {
 
 #[test]
 fn help_has_examples() {
-    let help = String::from_utf8(packer(Path::new("."), ["--help"]).stdout).unwrap();
-    assert!(help.contains("packer pack bunny.obj -o bunny.ist"), "{help}");
+    let help = |arguments: &[&str]| {
+        let output =
+            Command::new(env!("CARGO_BIN_EXE_packer")).args(arguments).arg("--help").output().unwrap();
+        assert!(output.status.success());
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let program = help(&[]);
+    assert!(program.contains("packer pack bunny.obj -o bunny.ist"), "{program}");
+    for command in ["pack", "batch", "check", "info", "completions"] {
+        assert!(program.contains(&format!("\n  {command} ")), "{program}");
+        let text = help(&[command]);
+        let examples = text.split_once("Examples:\n").unwrap_or_else(|| panic!("{text}")).1;
+        assert!(examples.contains(&format!("packer {command} ")), "{text}");
+    }
+    for preset in ["fast", "balanced", "fine"] {
+        assert!(help(&["pack"]).contains(preset) && help(&["batch"]).contains(preset));
+    }
+}
+
+/// The arguments of the examples in the help, as the program reads them.
+#[test]
+fn examples_in_the_help_are_understood() {
+    let folder = folder();
+    let at = folder.path();
+    std::fs::create_dir(at.join("meshes")).unwrap();
+    for name in ["bunny.obj", "meshes/bunny.obj"] {
+        std::fs::copy(at.join("cube.obj"), at.join(name)).unwrap();
+    }
+    assert!(packer(at, ["pack", "bunny.obj", "-o", "bunny.ist", "-n", "9"]).status.success());
+    for command in ["pack", "batch", "check", "info", "completions"] {
+        let help = String::from_utf8(packer(at, [command, "--help"]).stdout).unwrap();
+        let examples = help.split_once("Examples:").unwrap().1;
+        for line in examples.lines().filter_map(|line| line.strip_prefix("  packer ")) {
+            let arguments = line.split('>').next().unwrap().replace("\"$SLURM_ARRAY_TASK_ID/8\"", "2/8");
+            // The meshes of some examples are not here: what counts is that no argument is refused.
+            let output = Command::new(env!("CARGO_BIN_EXE_packer"))
+                .current_dir(at)
+                .args(arguments.split_whitespace())
+                .output()
+                .unwrap();
+            let stderr = String::from_utf8(output.stderr).unwrap();
+            let is_fine = output.status.success() || stderr.contains("cannot read");
+            assert!(is_fine, "packer {arguments}: {stderr}");
+        }
+    }
+}
+
+#[test]
+fn presets_are_starting_points() {
+    let folder = folder();
+    let at = folder.path();
+    let options = |arguments: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_packer"))
+            .current_dir(at)
+            .args(["pack", "cube.obj", "-o", "cube.ist"])
+            .args(arguments)
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{output:?}");
+        SpherePacking::load(at.join("cube.ist")).unwrap().provenance().options.clone()
+    };
+    let balanced = options(&[]);
+    assert_eq!(balanced, packer::PackOptions::balanced().to_string());
+    assert_eq!(balanced, options(&["--preset", "balanced"]));
+    assert_eq!(options(&["--preset", "fast"]), packer::PackOptions::fast().to_string());
+    assert_eq!(
+        options(&["--preset", "fine", "-n", "7"]),
+        packer::PackOptions::fine().spheres(7).to_string(),
+        "a number given by hand counts"
+    );
+    let covered = packer::PackOptions::fast().spheres(1_000_000).coverage(0.6);
+    assert_eq!(options(&["-p", "fast", "--coverage", "0.6"]), covered.to_string());
+}
+
+#[test]
+fn exports_of_pack_and_info_are_the_same() {
+    let folder = folder();
+    let at = folder.path();
+    let output = packer(
+        at,
+        [
+            "pack",
+            "cube.obj",
+            "-o",
+            "cube.ist",
+            "-n",
+            "30",
+            "--csv",
+            "1.csv",
+            "--spheres-json",
+            "1.json",
+            "--urdf",
+            "1.urdf",
+            "--density",
+            "500",
+            "--preview",
+            "1.png",
+        ],
+    );
+    assert!(output.status.success(), "{output:?}");
+    let output = packer(
+        at,
+        [
+            "info",
+            "cube.ist",
+            "--csv",
+            "2.csv",
+            "--spheres-json",
+            "2.json",
+            "--urdf",
+            "2.urdf",
+            "--density",
+            "500",
+            "--preview",
+            "2.png",
+        ],
+    );
+    assert!(output.status.success(), "{output:?}");
+    let read = |name: &str| std::fs::read(at.join(name)).unwrap();
+    for kind in ["csv", "json", "urdf"] {
+        assert!(read(&format!("1.{kind}")) == read(&format!("2.{kind}")), "{kind}");
+    }
+    let json: serde_json::Value = serde_json::from_slice(&read("1.json")).unwrap();
+    assert_eq!(json["spheres"].as_array().unwrap().len(), 30);
+    let urdf = String::from_utf8(read("1.urdf")).unwrap();
+    let document = roxmltree::Document::parse(&urdf).unwrap();
+    assert_eq!(document.root_element().attribute("name"), Some("cube"), "named after the file");
+    let mass = document.descendants().find(|node| node.has_tag_name("mass")).unwrap();
+    let mass: f64 = mass.attribute("value").unwrap().parse().unwrap();
+    assert!((mass - 500.0).abs() < 1e-9, "a cube of 1 m³");
+    assert_eq!(document.descendants().filter(|node| node.has_tag_name("sphere")).count(), 30);
+    for name in ["1.png", "2.png"] {
+        let reader = png::Decoder::new(std::io::Cursor::new(read(name))).read_info().unwrap();
+        assert_eq!((reader.info().width, reader.info().height), (1000, 800));
+    }
+    assert!(read("1.png") != read("2.png"), "pack shows the mesh too");
+    assert_eq!(
+        names(at),
+        ["1.csv", "1.json", "1.png", "1.urdf", "2.csv", "2.json", "2.png", "2.urdf", "cube.ist", "cube.obj"]
+    );
+}
+
+#[test]
+fn no_output_replaces_the_input_or_another_output() {
+    let folder = folder();
+    let at = folder.path();
+    assert!(packer(at, ["pack", "cube.obj", "-o", "cube.ist", "-n", "9"]).status.success());
+    let read = |name: &str| std::fs::read(at.join(name)).unwrap();
+    let before = (names(at), read("cube.obj"), read("cube.ist"));
+    for (arguments, message) in [
+        (vec!["pack", "cube.obj", "-o", "cube.obj"], "cube.obj is the input"),
+        (vec!["pack", "cube.obj", "-o", "./cube.obj"], "./cube.obj is the input"),
+        (vec!["pack", "cube.obj", "-o", "x.ist", "--csv", "cube.obj"], "cube.obj is the input"),
+        (vec!["pack", "cube.obj", "-o", "x.ist", "--csv", "./x.ist"], "./x.ist is named for two outputs"),
+        (vec!["info", "cube.ist", "--preview", "cube.ist"], "cube.ist is the input"),
+        (vec!["info", "cube.ist", "--csv", "t", "--urdf", "t"], "t is named for two outputs"),
+        (vec!["info", "cube.ist", "--csv", "no/t"], "output folder no does not exist"),
+        (vec!["info", "cube.ist", "--preview", "."], "is a folder"),
+        (vec!["info", "cube.ist", "--urdf", "t", "--density", "0"], "density 0"),
+        (vec!["info", "cube.ist", "--urdf", "t", "--density", "-2"], "density -2"),
+        (vec!["info", "cube.ist", "--urdf", "t", "--density", "inf"], "density inf"),
+        (vec!["info", "cube.ist", "--density", "2"], "--urdf"),
+        (vec!["completions", "basic"], "bash"),
+    ] {
+        let output =
+            Command::new(env!("CARGO_BIN_EXE_packer")).current_dir(at).args(&arguments).output().unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {stderr}");
+        assert!(stderr.contains(message), "{arguments:?}: {stderr}");
+    }
+    assert_eq!((names(at), read("cube.obj"), read("cube.ist")), before);
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("cube.obj", at.join("link.obj")).unwrap();
+        let output = packer(at, ["pack", "link.obj", "-o", "cube.obj"]);
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+        assert!(read("cube.obj") == before.1);
+    }
+}
+
+#[test]
+fn completions_name_every_command_and_option() {
+    for (shell, mark) in [
+        ("bash", "complete -F _packer"),
+        ("zsh", "#compdef packer"),
+        ("fish", "complete -c packer"),
+        ("powershell", "Register-ArgumentCompleter"),
+        ("elvish", "edit:completion:arg-completer[packer]"),
+    ] {
+        let output = packer(Path::new("."), ["completions", shell]);
+        assert!(output.status.success(), "{output:?}");
+        let script = String::from_utf8(output.stdout).unwrap();
+        for word in [mark, "batch", "completions", "shard", "preview", "spheres-json", "urdf"] {
+            assert!(script.contains(word), "{shell}: {word}");
+        }
+    }
 }

@@ -1,10 +1,10 @@
 //! `packer info`.
 
+use crate::exports::ExportArguments;
 use crate::output;
 use anyhow::Context;
 use ist::SpherePacking;
 use serde_json::json;
-use std::fmt::Write;
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -14,18 +14,16 @@ pub(crate) struct Arguments {
     /// Print as JSON.
     #[arg(long)]
     json: bool,
-    /// Also write the spheres as a table.
-    #[arg(long, value_name = "FILE")]
-    csv: Option<PathBuf>,
+    #[command(flatten)]
+    exports: ExportArguments,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    arguments.exports.check()?;
+    output::check_distinct(&arguments.input, arguments.exports.files())?;
     let packing = SpherePacking::load(&arguments.input)
         .with_context(|| format!("cannot show {}", arguments.input.display()))?;
-    if let Some(path) = &arguments.csv {
-        output::check_writable(path)?;
-        output::write(path, to_csv(&packing).as_bytes())?;
-    }
+    arguments.exports.write(&packing, &arguments.input, None)?;
     let (solid, provenance) = (packing.solid(), packing.provenance());
     let mut radii: Vec<f32> = packing.spheres().iter().map(|s| s.radius).collect();
     radii.sort_by(f32::total_cmp);
@@ -54,15 +52,4 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         provenance.source,
         provenance.options,
     ))
-}
-
-fn to_csv(packing: &SpherePacking) -> String {
-    let mut csv = String::from("x,y,z,radius,cell_volume,nx,ny,nz\n");
-    for s in packing.spheres() {
-        let (c, n) = (s.center, s.normal);
-        // Writing to a string does not fail.
-        let _ =
-            writeln!(csv, "{},{},{},{},{},{},{},{}", c.x, c.y, c.z, s.radius, s.cell_volume, n.x, n.y, n.z);
-    }
-    csv
 }

@@ -1,9 +1,15 @@
 //! `packer`: packs mesh files, checks them, and shows what is in an `.ist` file.
 
+mod batch;
 mod check;
+mod completions;
+mod examples;
+mod exports;
 mod info;
+mod options;
 mod output;
 mod pack;
+mod preview;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -13,16 +19,7 @@ const BAD_INPUT: u8 = 2;
 
 /// Fills closed triangle meshes with disjoint inner spheres.
 #[derive(Parser)]
-#[command(
-    version,
-    after_help = "\
-Examples:
-  packer check bunny.obj
-  packer pack bunny.obj -o bunny.ist
-  packer pack bunny.obj -o bunny.ist --spheres 5000 --json
-  packer pack gear.stl -o gear.ist --spheres 100000 --coverage 0.8
-  packer info bunny.ist --csv bunny.csv"
-)]
+#[command(version, after_help = examples::ALL)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -31,18 +28,29 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     /// Pack a mesh (.obj, .stl, .ply, .gltf, .glb) and write an .ist file.
+    #[command(after_help = examples::PACK)]
     Pack(pack::Arguments),
+    /// Pack every mesh below a folder; what is packed already is skipped.
+    #[command(after_help = examples::BATCH)]
+    Batch(batch::Arguments),
     /// Tell whether a mesh can be packed, and what is wrong with it.
+    #[command(after_help = examples::CHECK)]
     Check(check::Arguments),
-    /// Show what is in an .ist file.
+    /// Show what is in an .ist file, draw it, and write it in other formats.
+    #[command(after_help = examples::INFO)]
     Info(info::Arguments),
+    /// Print a script that completes this program's arguments in a shell.
+    #[command(after_help = examples::COMPLETIONS)]
+    Completions(completions::Arguments),
 }
 
 fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Pack(arguments) => pack::run(&arguments),
+        Command::Batch(arguments) => batch::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Info(arguments) => info::run(&arguments),
+        Command::Completions(arguments) => completions::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

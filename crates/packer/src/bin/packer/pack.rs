@@ -1,15 +1,14 @@
 //! `packer pack`.
 
+use crate::exports::ExportArguments;
+use crate::options::{PackingArguments, ThreadArguments};
 use crate::output;
-use anyhow::{Context, bail};
+use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
 use packer::{PackOptions, PackReport, Packed, Progress, Solid, TriangleMesh, pack_with_progress};
 use serde_json::json;
 use std::io::IsTerminal;
 use std::path::PathBuf;
-
-/// Spheres that a request for a coverage alone may use: more are rarely meant.
-const SPHERES_FOR_COVERAGE: usize = 1_000_000;
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
@@ -18,52 +17,37 @@ pub(crate) struct Arguments {
     /// File to write.
     #[arg(short, long, value_name = "OUT.ist")]
     output: PathBuf,
-    /// Most spheres to place [default: 1000, or a million with --coverage or --min-radius].
-    #[arg(short = 'n', long, value_name = "N")]
-    spheres: Option<usize>,
-    /// Stop once the balls fill this share of the volume, above 0 and at most 1.
-    #[arg(short, long, value_name = "F", allow_negative_numbers = true)]
-    coverage: Option<f64>,
-    /// Place no ball of a smaller radius (in the unit of the mesh).
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
-    min_radius: Option<f64>,
-    /// Threads to use [default: all cores]; the result does not depend on it.
-    #[arg(short, long, value_name = "N")]
-    threads: Option<usize>,
+    #[command(flatten)]
+    threads: ThreadArguments,
     /// Print the report as JSON.
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    packing: PackingArguments,
+    #[command(flatten)]
+    exports: ExportArguments,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let options = options(arguments)?;
+    let options = arguments.packing.options(&arguments.input)?;
     output::check_writable(&arguments.output)?;
-    if arguments.threads == Some(0) {
-        bail!("zero threads asked for; ask for at least one");
-    }
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(arguments.threads.unwrap_or(0)).build()?;
-    let packed = pool.install(|| pack_file(arguments, &options))?;
-    output::write(&arguments.output, &packed.packing.to_bytes())?;
+    arguments.exports.check()?;
+    let outputs = std::iter::once(arguments.output.as_path()).chain(arguments.exports.files());
+    output::check_distinct(&arguments.input, outputs)?;
+    let report = arguments.threads.pool()?.install(|| {
+        let (solid, packed) = pack_file(arguments, &options)?;
+        output::write(&arguments.output, &packed.packing.to_bytes())?;
+        arguments.exports.write(&packed.packing, &arguments.output, Some(&solid))?;
+        anyhow::Ok(packed.report)
+    })?;
     if arguments.json {
-        output::print(to_json(&packed.report, arguments))
+        output::print(to_json(&report, arguments))
     } else {
-        output::print(summary(&packed.report, arguments))
+        output::print(summary(&report, arguments))
     }
 }
 
-fn options(arguments: &Arguments) -> anyhow::Result<PackOptions> {
-    let has_other_stop = arguments.coverage.is_some() || arguments.min_radius.is_some();
-    let default = if has_other_stop { SPHERES_FOR_COVERAGE } else { PackOptions::balanced().spheres };
-    let mut options = PackOptions::balanced().spheres(arguments.spheres.unwrap_or(default));
-    options.coverage = arguments.coverage;
-    options.min_radius = arguments.min_radius;
-    let name = arguments.input.file_name().unwrap_or_default();
-    options = options.source(name.to_string_lossy());
-    options.validate()?;
-    Ok(options)
-}
-
-fn pack_file(arguments: &Arguments, options: &PackOptions) -> anyhow::Result<Packed> {
+fn pack_file(arguments: &Arguments, options: &PackOptions) -> anyhow::Result<(Solid, Packed)> {
     let mesh = TriangleMesh::load(&arguments.input)?;
     let name = arguments.input.display();
     let solid = Solid::new(&mesh).with_context(|| format!("{name} cannot be packed"))?;
@@ -80,7 +64,7 @@ fn pack_file(arguments: &Arguments, options: &PackOptions) -> anyhow::Result<Pac
         bar.set_message(format!("{} spheres, {:.1} % filled", progress.spheres, 100.0 * progress.coverage));
     });
     bar.finish_and_clear();
-    Ok(packed?)
+    Ok((solid, packed?))
 }
 
 fn summary(report: &PackReport, arguments: &Arguments) -> String {
