@@ -6,12 +6,12 @@
 //! | bytes | content |
 //! |---|---|
 //! | 8 | signature `89 49 53 54 0D 0A 1A 0A` |
-//! | 4 | format version, 1 |
+//! | 4 | format version, 2 |
 //! | 4 | length `p` of the provenance text |
 //! | 8 | sphere count `n` |
 //! | 80 | solid: volume, centroid (3), inertia xx yy zz xy xz yz, as f64 |
 //! | p | provenance: three UTF-8 lines: generator, source, options |
-//! | 32 n | spheres: centre (3), radius, cell volume, normal (3), as f32 |
+//! | 44 n | spheres: centre (3), radius, cell volume, centroid of the cell (3), normal (3), as f32 |
 //! | 4 | CRC-32 of all bytes before it |
 
 use crate::{InnerSphere, PackingError, SolidProperties, SpherePacking};
@@ -20,9 +20,9 @@ use alloc::vec::Vec;
 use glam::{DMat3, DVec3, Vec3};
 
 const SIGNATURE: [u8; 8] = *b"\x89IST\r\n\x1a\n";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const HEADER: usize = 8 + 4 + 4 + 8 + 80;
-const SPHERE: usize = 32;
+const SPHERE: usize = 44;
 const CHECKSUM: usize = 4;
 /// No honest provenance is longer; a damaged length must not ask for gigabytes.
 const MAX_PROVENANCE: usize = 1 << 16;
@@ -54,9 +54,9 @@ pub enum FileError {
     /// The first bytes are not those of an `.ist` file.
     #[error("not an .ist file; pack the mesh first: packer pack MESH -o OUT.ist")]
     Signature,
-    /// Written by a newer version of this crate.
+    /// Written by another version of this crate.
     #[error(
-        "version {found} of the .ist format is not known here (newest known: {VERSION}); update rapier-ist-core"
+        "the file has version {found} of the .ist format, and version {VERSION} is read here; pack the mesh again, or update rapier-ist-core if the file is the newer one"
     )]
     Version {
         /// Version in the file.
@@ -100,8 +100,9 @@ impl SpherePacking {
         out.extend_from_slice(provenance.as_bytes());
         for s in self.spheres() {
             let [x, y, z] = s.center.to_array();
+            let [cx, cy, cz] = s.cell_centroid.to_array();
             let [nx, ny, nz] = s.normal.to_array();
-            for number in [x, y, z, s.radius, s.cell_volume, nx, ny, nz] {
+            for number in [x, y, z, s.radius, s.cell_volume, cx, cy, cz, nx, ny, nz] {
                 out.extend_from_slice(&number.to_le_bytes());
             }
         }
@@ -155,10 +156,13 @@ impl SpherePacking {
             .map(|record| {
                 let mut at = 0;
                 let mut number = || f32::from_le_bytes(take(record, &mut at));
-                let center = Vec3::new(number(), number(), number());
-                let (radius, cell_volume) = (number(), number());
-                let normal = Vec3::new(number(), number(), number());
-                InnerSphere { center, radius, cell_volume, normal }
+                InnerSphere {
+                    center: Vec3::new(number(), number(), number()),
+                    radius: number(),
+                    cell_volume: number(),
+                    cell_centroid: Vec3::new(number(), number(), number()),
+                    normal: Vec3::new(number(), number(), number()),
+                }
             })
             .collect();
         Ok(Self::new(spheres, solid)?.with_provenance(provenance))
@@ -226,6 +230,7 @@ mod tests {
             center: Vec3::new(i as f32, 0.5, -0.25),
             radius: 0.3,
             cell_volume: 0.2,
+            cell_centroid: Vec3::new(i as f32, 0.5, -0.2),
             normal: Vec3::Z,
         });
         let provenance = Provenance {

@@ -106,16 +106,17 @@ impl SpherePacking {
     pub fn bounds(&self) -> (Vec3, Vec3) {
         let empty = (Vec3::splat(f32::INFINITY), Vec3::splat(f32::NEG_INFINITY));
         self.spheres.iter().fold(empty, |(lower, upper), sphere| {
-            let reach = Vec3::splat(sphere.volume_radius());
-            (lower.min(sphere.center - reach), upper.max(sphere.center + reach))
+            let (center, radius) = sphere.volume_ball();
+            (lower.min(center - radius), upper.max(center + radius))
         })
     }
 }
 
 /// What makes `sphere` no sphere, if anything.
 fn defect(sphere: &InnerSphere) -> Option<&'static str> {
-    let InnerSphere { center, radius, cell_volume, normal } = *sphere;
-    if !(center.is_finite() && radius.is_finite() && cell_volume.is_finite() && normal.is_finite()) {
+    let InnerSphere { center, radius, cell_volume, cell_centroid, normal } = *sphere;
+    let vectors = [center, cell_centroid, normal];
+    if !(vectors.iter().all(|v| v.is_finite()) && radius.is_finite() && cell_volume.is_finite()) {
         Some("a number is not finite")
     } else if radius <= 0.0 {
         Some("the radius is not positive")

@@ -8,7 +8,8 @@ use glam::Vec3;
 /// - `radius` is *certified*: that ball lies inside the mesh and meets no other ball of the packing.
 ///   Separation distances, "never a false hit" and the linear-time theorem rest on it.
 /// - `cell_volume` is the volume of the sphere's power cell (the Laguerre–Voronoi cell of weight r²) clipped
-///   by the mesh. The cells tile the solid, so they sum to its volume; overlap volumes rest on them.
+///   by the mesh, and `cell_centroid` its centroid. The cells tile the solid, so their volumes and first moments
+///   sum to those of the solid; overlap volumes rest on the ball that has both, see [`Self::volume_ball`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InnerSphere {
     /// Centre (m), in the frame of the mesh.
@@ -17,6 +18,8 @@ pub struct InnerSphere {
     pub radius: f32,
     /// Volume of the power cell clipped by the mesh (m³), at least the ball's own volume.
     pub cell_volume: f32,
+    /// Centroid of the power cell clipped by the mesh (m), in the frame of the mesh.
+    pub cell_centroid: Vec3,
     /// Unit vector from the centre towards the nearest point of the surface.
     pub normal: Vec3,
 }
@@ -25,18 +28,35 @@ impl InnerSphere {
     /// A sphere whose power cell is the ball itself, as when one sphere is the whole solid.
     #[must_use]
     pub fn solid_ball(center: Vec3, radius: f32, normal: Vec3) -> Self {
-        Self { center, radius, cell_volume: 4.0 / 3.0 * PI * radius * radius * radius, normal }
+        let cell_volume = 4.0 / 3.0 * PI * radius * radius * radius;
+        Self { center, radius, cell_volume, cell_centroid: center, normal }
     }
 
     /// Radius `ρ = (3v/4π)^⅓` (m) of the ball that has the volume of the power cell; at least [`Self::radius`].
     ///
-    /// Balls of radius ρ at the same centres tile the solid in the mean: where plain inner balls lose each gap
-    /// of either packing, these overlap a little instead. On a pair of 35,000-triangle meshes with 1,000
-    /// spheres each the median error of the overlap volume falls from 68 / 57 / 35 % (shallow / mid / deep) to
-    /// 2.8 / 4.1 / 1.0 %.
     #[must_use]
     pub fn volume_radius(&self) -> f32 {
         volume_radius(self.cell_volume).max(self.radius)
+    }
+
+    /// Centre (m) and radius (m) of the ball that stands for the power cell: it has the cell's volume, and its
+    /// centroid as far as the inner ball stays inside.
+    ///
+    /// These balls fill the solid in the mean: where plain inner balls lose each gap of either packing, these overlap
+    /// a little instead. That they contain the inner balls lets one hierarchy serve both. Median errors of the
+    /// overlap volume, two rabbits of 1,000 spheres each, shallow / mid / deep, 240 poses:
+    ///
+    /// | balls | error |
+    /// |---|---|
+    /// | inner | 59 / 37 / 26 % |
+    /// | of the cells' volume, about the inner centres | 3.0 / 0.7 / 0.7 % |
+    /// | of the cells' volume, about the cells' centroids | 1.2 / 0.4 / 0.1 % |
+    /// | … as far as the inner ball stays inside | 1.5 / 0.5 / 0.2 % |
+    #[must_use]
+    pub fn volume_ball(&self) -> (Vec3, f32) {
+        let radius = self.volume_radius();
+        let shift = self.cell_centroid - self.center;
+        (self.center + shift.clamp_length_max(radius - self.radius), radius)
     }
 }
 
@@ -72,6 +92,22 @@ mod tests {
             }
         }
         assert_eq!(cube_root(0.0), 0.0);
+    }
+
+    #[test]
+    fn the_volume_ball_moves_to_the_centroid_and_keeps_the_inner_ball_inside() {
+        for shift in [0.0, 0.01, 0.1, 1.0] {
+            let mut sphere = InnerSphere::solid_ball(Vec3::ONE, 0.5, Vec3::Y);
+            sphere.cell_volume *= 1.5;
+            sphere.cell_centroid += shift * Vec3::X;
+            let (center, radius) = sphere.volume_ball();
+            let moved = center.distance(sphere.center);
+            assert!(moved + sphere.radius <= radius * (1.0 + 1e-6), "{shift}");
+            assert!(
+                (moved - radius.min(shift + sphere.radius) + sphere.radius).abs() < 1e-6,
+                "{shift}: {moved}"
+            );
+        }
     }
 
     #[test]

@@ -12,6 +12,7 @@ fn packing() -> SpherePacking {
         center: Vec3::new(x, x / 3.0, -x / 7.0),
         radius,
         cell_volume: 5.0 * radius.powi(3),
+        cell_centroid: Vec3::new(x, x / 2.9, -x / 7.1),
         normal: Vec3::new(0.6, 0.0, -0.8),
     };
     let spheres = vec![sphere(0.1, 1.0 / 3.0), sphere(2.0, 0.7), sphere(-3.0e-7, 1.0e-9)];

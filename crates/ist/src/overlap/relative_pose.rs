@@ -37,6 +37,11 @@ impl RelativePose {
         Some(Self { rotation, linear: rotation * scale, translation, scale, skin_a, skin_b })
     }
 
+    /// A point of B's unscaled frame in A's.
+    pub(super) fn transform_point(&self, p: Vec3) -> Vec3 {
+        self.linear * p + self.translation
+    }
+
     /// The block of `level` that begins at ball `first`, in A's frame.
     #[inline(always)]
     pub(super) fn transform_block<S: Simd>(&self, simd: S, level: &Balls, first: usize) -> Block {

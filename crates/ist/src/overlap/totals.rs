@@ -47,14 +47,17 @@ impl<'a> TotalsSink<'a> {
         Self { a, b, pose, totals: Totals::default() }
     }
 
-    /// Whether the inner balls of one of the pairs meet.
+    /// Whether the inner balls of one of the pairs meet. Those of no other pair do: volume balls contain them.
     fn inner_balls_meet(&self, pairs: &PairBuffer) -> bool {
+        let ball = |tree: &TreeData, index: u32| {
+            let index = index as usize;
+            (tree.inner_center[index], tree.inner_radius[index])
+        };
         (0..pairs.len()).any(|i| {
-            let center_a = Vec3::new(pairs.a.x[i], pairs.a.y[i], pairs.a.z[i]);
-            let center_b = Vec3::new(pairs.b.x[i], pairs.b.y[i], pairs.b.z[i]);
-            let radius_a = self.a.inner_radius[pairs.a.index[i] as usize];
-            let radius_b = self.b.inner_radius[pairs.b.index[i] as usize] * self.pose.scale;
-            center_a.distance_squared(center_b) < (radius_a + radius_b) * (radius_a + radius_b)
+            let (center_a, radius_a) = ball(self.a, pairs.a.index[i]);
+            let (center_b, radius_b) = ball(self.b, pairs.b.index[i]);
+            let reach = radius_a + radius_b * self.pose.scale;
+            center_a.distance_squared(self.pose.transform_point(center_b)) < reach * reach
         })
     }
 }

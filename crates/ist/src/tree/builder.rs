@@ -13,7 +13,7 @@ use glam::Vec3;
 
 /// Positions in `spheres` in the order of the tree's leaves.
 pub(super) fn clustered_order(spheres: &[InnerSphere]) -> Vec<u32> {
-    let keys: Vec<[f32; 3]> = spheres.iter().map(|s| s.center.to_array()).collect();
+    let keys: Vec<[f32; 3]> = spheres.iter().map(|s| s.volume_ball().0.to_array()).collect();
     let mut order: Vec<u32> = (0..spheres.len() as u32).collect();
     // Explicit stack: recursion depth would depend on the user's data.
     let mut pending = vec![(0, order.len())];
@@ -56,7 +56,7 @@ fn longest_axis(points: impl Iterator<Item = [f32; 3]>) -> usize {
 
 /// All levels over `spheres`, from the balls of volume radius up to the single ball around everything.
 pub(super) fn wrapped_levels<'a>(spheres: impl Iterator<Item = &'a InnerSphere>) -> Vec<Balls> {
-    let leaves = Balls::new(spheres.map(|s| (s.center, s.volume_radius())));
+    let leaves = Balls::new(spheres.map(InnerSphere::volume_ball));
     let count = leaves.len();
     let mut levels = vec![leaves];
     let mut span = 1;

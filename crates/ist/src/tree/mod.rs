@@ -21,7 +21,7 @@ pub(crate) const WIDTH: usize = 8;
 /// A hierarchy over the spheres of a packing; the solid that queries run against.
 ///
 /// Cloning and scaling are O(1): the hierarchy is shared. Building costs O(n log n) time, and a tree takes
-/// about 39 bytes per sphere.
+/// about 51 bytes per sphere.
 #[derive(Clone, Debug)]
 pub struct InnerSphereTree {
     data: Arc<TreeData>,
@@ -33,9 +33,11 @@ pub struct InnerSphereTree {
 /// What all clones and scaled copies of a tree share; lengths are those of the packing.
 #[derive(Debug)]
 pub(crate) struct TreeData {
-    /// Level 0: the balls of volume radius. Each further level wraps blocks of eight; the last is one ball.
+    /// Level 0: the volume balls. Each further level wraps blocks of eight; the last is one ball.
     pub(crate) levels: Vec<Balls>,
-    /// Certified inner radii, in the order of level 0.
+    /// Centres of the certified inner balls, in the order of level 0.
+    pub(crate) inner_center: Vec<Vec3>,
+    /// Their radii, in the order of level 0.
     pub(crate) inner_radius: Vec<f32>,
     /// Outward normals, in the order of level 0.
     pub(crate) normals: Vec<Vec3>,
@@ -53,6 +55,7 @@ impl InnerSphereTree {
         let sorted = || order.iter().map(|&i| &spheres[i as usize]);
         let data = TreeData {
             levels: builder::wrapped_levels(sorted()),
+            inner_center: sorted().map(|s| s.center).collect(),
             inner_radius: sorted().map(|s| s.radius).collect(),
             normals: sorted().map(|s| s.normal).collect(),
             solid: *packing.solid(),
@@ -70,7 +73,7 @@ impl InnerSphereTree {
         (scale > 0.0 && scale.is_finite()).then(|| Self { scale, ..self.clone() })
     }
 
-    /// The same solid under a skin of `thickness` (m), sharing the hierarchy: every ball of volume radius is that much
+    /// The same solid under a skin of `thickness` (m), sharing the hierarchy: every volume ball is that much
     /// larger in overlap queries. It keeps features apart that are too small for the spheres, such as sharp
     /// corners. Inner balls are as before.
     ///
@@ -110,7 +113,7 @@ impl InnerSphereTree {
         self.skin
     }
 
-    /// Centre (m) and radius (m) of a ball around all balls of volume radius, skin included.
+    /// Centre (m) and radius (m) of a ball around all volume balls, skin included.
     #[must_use]
     pub fn bounding_ball(&self) -> (Vec3, f32) {
         let (center, radius) = self.data.root().get(0);
@@ -128,7 +131,7 @@ impl InnerSphereTree {
     /// Centres (m), certified inner radii (m) and outward normals of all spheres, in the tree's own order.
     pub fn inner_balls(&self) -> impl ExactSizeIterator<Item = (Vec3, f32, Vec3)> + '_ {
         (0..self.len()).map(|i| {
-            let (center, _) = self.data.levels[0].get(i);
+            let center = self.data.inner_center[i];
             (center * self.scale, self.data.inner_radius[i] * self.scale, self.data.normals[i])
         })
     }

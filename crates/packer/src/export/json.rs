@@ -31,20 +31,27 @@ struct Sphere {
     center: [f32; 3],
     radius: f32,
     cell_volume: f32,
+    cell_centroid: [f32; 3],
     normal: [f32; 3],
 }
 
 impl From<&InnerSphere> for Sphere {
     fn from(sphere: &InnerSphere) -> Self {
-        let InnerSphere { center, radius, cell_volume, normal } = *sphere;
-        Self { center: center.to_array(), radius, cell_volume, normal: normal.to_array() }
+        let InnerSphere { center, radius, cell_volume, cell_centroid, normal } = *sphere;
+        Self {
+            center: center.to_array(),
+            radius,
+            cell_volume,
+            cell_centroid: cell_centroid.to_array(),
+            normal: normal.to_array(),
+        }
     }
 }
 
 /// The packing as one JSON object.
 ///
-/// `spheres` is a list of `center` (m), `radius` (m), `cell_volume` (m³) and `normal`, in the order in which they
-/// were placed; `solid` holds `volume` (m³), `centroid` (m) and `unit_inertia` (kg·m², about the centroid, for
+/// `spheres` is a list of `center` (m), `radius` (m), `cell_volume` (m³), `cell_centroid` (m) and `normal`, in the order
+/// in which they were placed; `solid` holds `volume` (m³), `centroid` (m) and `unit_inertia` (kg·m², about the centroid, for
 /// 1 kg/m³); `provenance` tells the generator, the mesh and the options. Takes time linear in the number of spheres.
 ///
 /// # Errors

@@ -22,6 +22,7 @@ use crate::Solid;
 use ball_grid::{Ball, BallGrid};
 use glam::DVec3;
 use ist::{InnerSphere, PackingError, Provenance, SpherePacking};
+use power_cells::PowerCell;
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -114,10 +115,10 @@ pub fn pack_with_progress(
     let (grid, stop) = place(solid, options, &mut progress)?;
     let placed = Instant::now();
     let samples = (options.samples_per_sphere * grid.balls().len()).max(FEWEST_SAMPLES);
-    let volumes = power_cells::volumes(solid, grid.balls(), samples);
+    let cells = power_cells::measure(solid, grid.balls(), samples);
     let measured = Instant::now();
     let (spheres, depths): (Vec<_>, Vec<_>) =
-        grid.balls().par_iter().zip(&volumes).map(|(ball, volume)| sphere(solid, ball, *volume)).unzip();
+        grid.balls().par_iter().zip(&cells).map(|(ball, cell)| sphere(solid, ball, cell)).unzip();
     let mut report = PackReport::of_balls(grid.balls(), solid.properties().volume, stop);
     report.protrusion = deepest_protrusion(grid.balls(), &depths);
     report.overlap = deepest_overlap(grid.balls());
@@ -179,11 +180,15 @@ fn resolution(solid: &Solid) -> f64 {
 }
 
 /// The record of one ball, and the depth of its centre.
-fn sphere(solid: &Solid, ball: &Ball, volume: f64) -> (InnerSphere, f64) {
+fn sphere(solid: &Solid, ball: &Ball, cell: &PowerCell) -> (InnerSphere, f64) {
     let surface = solid.closest_point(ball.center);
-    let normal = (surface.point - ball.center).normalize_or(DVec3::Z).as_vec3();
-    let center = ball.center.as_vec3();
-    let sphere = InnerSphere { center, radius: ball.radius as f32, cell_volume: volume as f32, normal };
+    let sphere = InnerSphere {
+        center: ball.center.as_vec3(),
+        radius: ball.radius as f32,
+        cell_volume: cell.volume as f32,
+        cell_centroid: cell.centroid.as_vec3(),
+        normal: (surface.point - ball.center).normalize_or(DVec3::Z).as_vec3(),
+    };
     (sphere, surface.depth)
 }
 

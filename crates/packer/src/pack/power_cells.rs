@@ -1,9 +1,10 @@
-//! Volumes of the power cells, clipped by the mesh.
+//! Volumes and centroids of the power cells, clipped by the mesh.
 //!
 //! The power cell of ball `i` is where `|p − cᵢ|² − rᵢ²` is least (F. Aurenhammer, *Power diagrams*, 1987).
 //! It contains the ball, as the balls are disjoint, so only the gaps between them have to be shared out:
 //! `vᵢ = 4/3·π·rᵢ³ + V_gap·(gap samples in cell i)/(all gap samples)`. The ball's part and the total are
-//! exact, and the sampling error is that of the gaps alone.
+//! exact, and the sampling error is that of the gaps alone. Likewise for the first moments, from which the
+//! centroids come.
 //!
 //! Samples stand on a jittered lattice. It is refined as an octree, and each box keeps only the balls
 //! whose cell may reach into it: the difference of two power distances is linear in `p`, so it varies by no
@@ -20,22 +21,55 @@ const TASK_LEVEL: u32 = 3;
 /// Most doublings of the lattice.
 const FINEST: u32 = 12;
 
-/// Volumes of the cells of `balls`, summing to the volume of `solid`, for about `samples` gap samples.
-pub(super) fn volumes(solid: &Solid, balls: &[Ball], samples: usize) -> Vec<f64> {
-    let own: Vec<f64> = balls.iter().map(Ball::volume).collect();
-    let total = solid.properties().volume;
-    let gap = (total - own.iter().sum::<f64>()).max(0.0);
-    let counts = count_samples(solid, balls, gap / samples.max(1) as f64);
-    let sum: u64 = counts.iter().sum();
-    if sum == 0 {
-        // No sample met a gap: share by size.
-        let scale = total / own.iter().sum::<f64>();
-        return own.iter().map(|volume| volume * scale).collect();
-    }
-    own.iter().zip(&counts).map(|(volume, count)| volume + gap * (*count as f64 / sum as f64)).collect()
+/// The power cell of a ball, clipped by the mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct PowerCell {
+    /// Volume (m³), at least that of the ball.
+    pub(super) volume: f64,
+    /// Centroid (m).
+    pub(super) centroid: DVec3,
 }
 
-fn count_samples(solid: &Solid, balls: &[Ball], volume_per_sample: f64) -> Vec<u64> {
+/// The cells of `balls`, whose volumes sum to that of `solid`, from about `samples` gap samples.
+pub(super) fn measure(solid: &Solid, balls: &[Ball], samples: usize) -> Vec<PowerCell> {
+    let filled = balls.iter().map(Ball::volume).sum::<f64>();
+    let total = solid.properties().volume;
+    let gap = (total - filled).max(0.0);
+    let gaps = sample_gaps(solid, balls, gap / samples.max(1) as f64);
+    let sum: u64 = gaps.iter().map(|gap| gap.count).sum();
+    if sum == 0 {
+        // No sample met a gap: share by size.
+        let scale = total / filled;
+        let cell = |ball: &Ball| PowerCell { volume: ball.volume() * scale, centroid: ball.center };
+        return balls.iter().map(cell).collect();
+    }
+    let per_sample = gap / sum as f64;
+    balls
+        .iter()
+        .zip(&gaps)
+        .map(|(ball, gap)| {
+            let volume = ball.volume() + per_sample * gap.count as f64;
+            PowerCell { volume, centroid: ball.center + gap.offset * (per_sample / volume) }
+        })
+        .collect()
+}
+
+/// Samples in the gap around one ball.
+#[derive(Clone, Copy, Debug, Default)]
+struct Gap {
+    count: u64,
+    /// Sum of their positions relative to the ball's centre (m).
+    offset: DVec3,
+}
+
+impl Gap {
+    fn add(&mut self, other: &Self) {
+        self.count += other.count;
+        self.offset += other.offset;
+    }
+}
+
+fn sample_gaps(solid: &Solid, balls: &[Ball], volume_per_sample: f64) -> Vec<Gap> {
     let (lower, upper) = solid.bounds();
     let side = (upper - lower).max_element() * (1.0 + 1e-9);
     // The finest lattice bounds the work where balls leave next to no gap.
@@ -60,28 +94,30 @@ fn count_samples(solid: &Solid, balls: &[Ball], volume_per_sample: f64) -> Vec<u
             })
             .collect();
     }
-    let found: Vec<Vec<(u32, u32)>> = tasks
+    let found: Vec<Vec<(u32, Gap)>> = tasks
         .into_par_iter()
         .with_max_len(1)
         .map(|(task, list)| {
             let mut hits = Vec::new();
             sampler.descend(&task, &list, Place::Near(f64::INFINITY), &mut hits);
-            hits.sort_unstable();
-            let mut runs: Vec<(u32, u32)> = Vec::new();
-            for ball in hits {
+            // The sort is stable, so that the sums have one order.
+            hits.sort_by_key(|hit| hit.0);
+            let mut runs: Vec<(u32, Gap)> = Vec::new();
+            for (ball, p) in hits {
+                let gap = Gap { count: 1, offset: p - balls[ball as usize].center };
                 match runs.last_mut() {
-                    Some(run) if run.0 == ball => run.1 += 1,
-                    _ => runs.push((ball, 1)),
+                    Some(run) if run.0 == ball => run.1.add(&gap),
+                    _ => runs.push((ball, gap)),
                 }
             }
             runs
         })
         .collect();
-    let mut counts = vec![0; balls.len()];
-    for (ball, count) in found.into_iter().flatten() {
-        counts[ball as usize] += u64::from(count);
+    let mut gaps = vec![Gap::default(); balls.len()];
+    for (ball, gap) in found.iter().flatten() {
+        gaps[*ball as usize].add(gap);
     }
-    counts
+    gaps
 }
 
 /// A cube of `2^depth` samples a side.
@@ -164,8 +200,8 @@ impl Sampler<'_> {
         self.solid.closest_point_within(p, bound * (1.0 + 1e-6)).is_some_and(|nearest| nearest.depth >= 0.0)
     }
 
-    /// Adds the ball of every gap sample in `within` to `hits`; `place` tells what is known of the box.
-    fn descend(&self, within: &Box, list: &[u32], mut place: Place, hits: &mut Vec<u32>) {
+    /// Adds every gap sample in `within` to `hits`, with its ball; `place` tells what is known of the box.
+    fn descend(&self, within: &Box, list: &[u32], mut place: Place, hits: &mut Vec<(u32, DVec3)>) {
         let reach = within.half_diagonal();
         if within.depth == 0 {
             let p = within.sample();
@@ -175,7 +211,7 @@ impl Sampler<'_> {
                 Place::Near(bound) => self.contains(p, bound),
             };
             if power > 0.0 && is_inside() {
-                hits.push(ball);
+                hits.push((ball, p));
             }
             return;
         }
