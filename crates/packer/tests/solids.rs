@@ -145,3 +145,26 @@ fn what_has_no_inside_is_refused_by_name() {
     assert!(matches!(error(&two_faces), MeshError::TooFewTriangles { count: 1 }));
     assert!(matches!(error(&TriangleMesh::default()), MeshError::NoTriangles));
 }
+
+/// A shell whose first face lies inside another one was taken for a cavity, even if the two only overlap.
+#[test]
+fn issue_overlapping_cubes_are_one_solid_and_no_cavity() {
+    // Corner in corner, at a generic and at a symmetric place, and a bar through a block.
+    let cube = cuboid(DVec3::ZERO, DVec3::ONE);
+    let bar = |offset: DVec3| cuboid(DVec3::new(-1.0, 0.2, 0.3) + offset, DVec3::new(2.0, 0.7, 0.6) + offset);
+    for (other, volume) in [
+        (cuboid(DVec3::new(0.6, 0.45, 0.55), DVec3::new(1.6, 1.45, 1.55)), 2.0 - 0.4 * 0.55 * 0.45),
+        (cuboid(DVec3::splat(0.5), DVec3::splat(1.5)), 1.875),
+        (cuboid(DVec3::splat(-0.5), DVec3::splat(0.5)), 1.875),
+        (bar(DVec3::ZERO), 1.0 + 2.0 * 0.15),
+    ] {
+        for mesh in [join(&cube, &other), join(&other, &cube), join(&inverted(&other), &cube)] {
+            let solid = Solid::new(&mesh).unwrap();
+            assert_eq!((solid.diagnosis().shells, solid.diagnosis().cavities), (2, 0));
+            let p = solid.properties();
+            assert!((p.volume - volume).abs() < 1e-12, "{} is not {volume}", p.volume);
+            let (a, b) = (DVec3::splat(0.5), 0.5 * (other.bounds().0 + other.bounds().1));
+            assert!(solid.contains(a) && solid.contains(b));
+        }
+    }
+}
