@@ -96,6 +96,22 @@ pub enum MeshError {
         /// A triangle whose neighbours ask for both orientations.
         triangle: usize,
     },
+    /// The size is none that single precision can hold the volumes of.
+    #[error(
+        "the mesh measures {size:e} m; scale it to between 1e-9 and 1e12 m, as single precision cannot hold the volumes of its spheres"
+    )]
+    SizeOutOfRange {
+        /// Diagonal of the bounding box (m).
+        size: f64,
+    },
+    /// The surface cuts itself too often.
+    #[error(
+        "the surface cuts itself in {count} places or more; it is a tangle: remesh it, for instance from voxels"
+    )]
+    TooManyIntersections {
+        /// Pairs of triangles found until the search was given up.
+        count: usize,
+    },
     /// The surface encloses nothing.
     #[error("the mesh encloses no volume ({volume:e} m³ in a box of {size:e} m); give it thickness")]
     ZeroVolume {

@@ -164,7 +164,8 @@ fn issue_overlapping_cubes_are_one_solid_and_no_cavity() {
             let p = solid.properties();
             assert!((p.volume - volume).abs() < 1e-12, "{} is not {volume}", p.volume);
             let (a, b) = (DVec3::splat(0.5), 0.5 * (other.bounds().0 + other.bounds().1));
-            assert!(solid.contains(a) && solid.contains(b));
+            assert!(solid.contains(a), "{a}: {:?}", solid.closest_point(a));
+            assert!(solid.contains(b), "{b}: {:?}", solid.closest_point(b));
         }
     }
 }
