@@ -21,6 +21,17 @@ impl TriangleMesh {
     /// [`MeshError`] tells whether the file is missing, empty, of another kind, without faces, or has a
     /// coordinate that is not finite.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, MeshError> {
+        let mesh = Self::load_unchecked(path)?;
+        mesh.validate()?;
+        Ok(mesh)
+    }
+
+    /// As [`Self::load`], but also returns meshes without faces, with coordinates that are not finite, or with
+    /// faces at vertices that do not exist: [`crate::diagnose`] tells how many and where.
+    ///
+    /// # Errors
+    /// [`MeshError`] where the file cannot be read as what its extension announces.
+    pub fn load_unchecked(path: impl AsRef<Path>) -> Result<Self, MeshError> {
         let path = path.as_ref();
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         let format = match extension.as_str() {
@@ -43,9 +54,7 @@ impl TriangleMesh {
             "PLY" => ply::parse(&bytes),
             _ => gltf::parse(&bytes, path.parent().unwrap_or(Path::new(""))),
         };
-        let mesh = parsed.map_err(|what| MeshError::Parse { path: path.into(), format, what })?;
-        mesh.validate()?;
-        Ok(mesh)
+        parsed.map_err(|what| MeshError::Parse { path: path.into(), format, what })
     }
 }
 
