@@ -15,6 +15,12 @@ pub enum MeshError {
         /// What the operating system said.
         source: std::io::Error,
     },
+    /// The path leads to a folder or a device.
+    #[error("{} is no regular file; name a mesh file", path.display())]
+    NotAFile {
+        /// The path.
+        path: PathBuf,
+    },
     /// The file has no bytes.
     #[error("{} is empty; export the mesh again", path.display())]
     EmptyFile {
@@ -103,6 +109,16 @@ pub enum MeshError {
     SizeOutOfRange {
         /// Diagonal of the bounding box (m).
         size: f64,
+    },
+    /// No ball that single precision can tell from a point fits into the bounding box.
+    #[error(
+        "the mesh is {extent:e} m thin, but single precision resolves no ball smaller than {smallest:e} m in radius at its place; move it towards the origin or make it thicker"
+    )]
+    BelowResolution {
+        /// Shortest edge of the bounding box (m).
+        extent: f64,
+        /// Smallest radius that can be told from a point there (m).
+        smallest: f64,
     },
     /// The surface cuts itself too often.
     #[error(

@@ -1,5 +1,6 @@
 //! Surfaces that cut or cover themselves, against the inside as it is defined: where the winding number of the
 //! triangles as they came is not zero.
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
 mod common;
 

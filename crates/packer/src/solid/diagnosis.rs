@@ -151,29 +151,26 @@ impl Diagnosis {
         if !SIZES.contains(&size) {
             return Some(MeshError::SizeOutOfRange { size });
         }
+        if let Some((lower, upper)) = self.bounds {
+            let (extent, smallest) = ((upper - lower).min_element(), self.resolution);
+            // A box without extent has a surface without volume: that is the better news.
+            if extent > 0.0 && extent < 2.0 * smallest {
+                return Some(MeshError::BelowResolution { extent, smallest });
+            }
+        }
         let count = self.self_intersections.count + self.covering_faces.count;
         if count >= super::meetings::MOST {
             return Some(MeshError::TooManyIntersections { count });
         }
-        match self.volume {
-            // Not a number is not above either.
-            Some(volume) if !(volume > LEAST_VOLUME * size.powi(3)) => {
-                Some(MeshError::ZeroVolume { volume, size })
-            }
-            _ => None,
-        }
+        // A volume that is not a number is not above either.
+        let is_solid = |volume: &f64| *volume > LEAST_VOLUME * size.powi(3);
+        let volume = self.volume.filter(|volume| !is_solid(volume))?;
+        Some(MeshError::ZeroVolume { volume, size })
     }
 
     /// Diagonal of the bounding box (m); zero without faces.
     #[must_use]
     pub fn size(&self) -> f64 {
         self.bounds.map_or(0.0, |(lower, upper)| lower.distance(upper))
-    }
-
-    /// Whether the mesh is thinner, along an axis, than the diameter of the smallest ball that single precision
-    /// resolves at its place: nothing fits then.
-    #[must_use]
-    pub fn is_below_resolution(&self) -> bool {
-        self.bounds.is_some_and(|(lower, upper)| (upper - lower).min_element() < 2.0 * self.resolution)
     }
 }

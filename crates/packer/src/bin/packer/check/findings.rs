@@ -91,6 +91,7 @@ fn errors(d: &Diagnosis) -> Vec<Finding> {
         places,
         remedy: Some(remedy),
     };
+    let is_too_thin = matches!(d.refusal(), Some(packer::MeshError::BelowResolution { .. }));
     let is_tangle = matches!(d.refusal(), Some(packer::MeshError::TooManyIntersections { .. }));
     let is_empty = matches!(d.refusal(), Some(packer::MeshError::ZeroVolume { .. }));
     let is_out_of_range = matches!(d.refusal(), Some(packer::MeshError::SizeOutOfRange { .. }));
@@ -143,6 +144,13 @@ fn errors(d: &Diagnosis) -> Vec<Finding> {
             "size that single precision has no volumes for",
             vec![],
             "scale the mesh to between 1e-9 and 1e12 m",
+        ),
+        error(
+            "below_resolution",
+            usize::from(is_too_thin),
+            "mesh thinner than what single precision resolves at its place",
+            vec![],
+            "move the mesh towards the origin, or make it thicker",
         ),
         error(
             "tangle",
@@ -213,13 +221,6 @@ fn warnings(d: &Diagnosis) -> Vec<Finding> {
             "triangles cut by too many others",
             vec![],
             "balls do not cross them, and their share of the volume is sampled; unite the parts in a modeller",
-        ),
-        warning(
-            "below_resolution",
-            usize::from(d.is_below_resolution()),
-            "mesh thinner than what single precision resolves at its place",
-            vec![],
-            "move the mesh towards the origin, or make it thicker",
         ),
     ]
 }
