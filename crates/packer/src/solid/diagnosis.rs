@@ -31,6 +31,8 @@ pub struct Diagnosis {
     pub degenerate_faces: usize,
     /// Faces dropped because they occurred twice.
     pub duplicate_faces: usize,
+    /// Faces dropped in pairs of the same three corners: walls between parts that touch.
+    pub paired_faces: usize,
     /// Faces of three different corners on a line, or so near to one that they have no normal: lower than 1e-10 of
     /// their longest side. They are kept, as dropping them would open the surface. Their centroids (m).
     pub flat_faces: Findings<DVec3>,

@@ -6,8 +6,9 @@ use super::meetings::{self, Meeting};
 use super::plane::TrianglePlane;
 use super::pseudonormals::{FOLD, Pseudonormals};
 use super::shells::{self, Overlaps};
-use super::topology::{self, NONE, Neighbours};
-use super::{mass, visible, weld};
+use super::topology::{self, EdgeCensus, NONE, Neighbours};
+use super::weld::{self, Repeated, Welding};
+use super::{mass, visible};
 use crate::TriangleMesh;
 use glam::DVec3;
 use ist::SolidProperties;
@@ -32,20 +33,20 @@ pub(super) fn examine(mesh: &TriangleMesh) -> (Diagnosis, Option<Surface>) {
         input_triangles: mesh.triangles.len(),
         ..Diagnosis::default()
     };
-    let (mut mesh, welding) = weld::weld(&sound(mesh, &mut d));
+    let (mut mesh, welding, census) = clean(&sound(mesh, &mut d));
     d.vertices = mesh.vertices.len();
     d.triangles = mesh.triangles.len();
     d.unused_vertices = welding.unused_vertices;
     d.merged_vertices = welding.merged_vertices;
     d.degenerate_faces = welding.degenerate_faces;
     d.duplicate_faces = welding.duplicate_faces;
+    d.paired_faces = welding.paired_faces;
     if mesh.triangles.is_empty() {
         return (d, None);
     }
     let (lower, upper) = mesh.bounds();
     d.bounds = Some((lower, upper));
     d.resolution = 16.0 * lower.abs().max(upper.abs()).max_element() * f64::from(f32::EPSILON);
-    let census = topology::edge_census(&mesh);
     let ends = |edge: [u32; 2]| edge.map(|vertex| mesh.vertices[vertex as usize]);
     d.open_edges = census.open.iter().map(|edge| ends(*edge)).collect();
     d.holes = topology::holes(&census.open);
@@ -92,6 +93,23 @@ fn sound<'a>(mesh: &'a TriangleMesh, d: &mut Diagnosis) -> Cow<'a, TriangleMesh>
         |t: &&[u32; 3]| t.iter().all(|v| mesh.vertices.get(*v as usize).is_some_and(|v| v.is_finite()));
     let triangles = mesh.triangles.iter().filter(is_sound).copied().collect();
     Cow::Owned(TriangleMesh { vertices: mesh.vertices.clone(), triangles })
+}
+
+/// Welds. Faces that occur twice are walls between two parts if the surface is closed and manifold without them and is
+/// not with one of each; a face written once for each of its sides looks the same, but is needed.
+fn clean(mesh: &TriangleMesh) -> (TriangleMesh, Welding, EdgeCensus) {
+    let of = |repeated| {
+        let (welded, welding) = weld::weld(mesh, repeated);
+        let census = topology::edge_census(&welded);
+        (welded, welding, census)
+    };
+    let one_of_each = of(Repeated::KeepOne);
+    if one_of_each.1.duplicate_faces == 0 || one_of_each.2.non_manifold.is_empty() {
+        return one_of_each;
+    }
+    let none = of(Repeated::DropPairs);
+    let is_better = !none.0.triangles.is_empty() && none.2.open.is_empty() && none.2.non_manifold.is_empty();
+    if is_better { none } else { one_of_each }
 }
 
 fn bvh_of(mesh: &TriangleMesh) -> Bvh {

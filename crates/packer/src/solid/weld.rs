@@ -2,7 +2,8 @@
 
 use crate::TriangleMesh;
 use glam::DVec3;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 /// What [`weld`] did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -13,12 +14,23 @@ pub(super) struct Welding {
     pub(super) merged_vertices: usize,
     /// Faces with two equal corners.
     pub(super) degenerate_faces: usize,
-    /// Faces with the same three corners as an earlier one.
+    /// Faces with the same three corners as an earlier one, which was kept.
     pub(super) duplicate_faces: usize,
+    /// Faces dropped together with another one of the same three corners.
+    pub(super) paired_faces: usize,
+}
+
+/// What becomes of faces with the same three corners.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Repeated {
+    /// One of them is kept: a face was written twice, or once for each side.
+    KeepOne,
+    /// Pairs are dropped: they are a wall between two parts that touch.
+    DropPairs,
 }
 
 /// The mesh with every position once, without degenerate and duplicate faces and unused vertices.
-pub(super) fn weld(mesh: &TriangleMesh) -> (TriangleMesh, Welding) {
+pub(super) fn weld(mesh: &TriangleMesh, repeated: Repeated) -> (TriangleMesh, Welding) {
     let mut welding = Welding::default();
     let mut out = TriangleMesh::default();
     let mut index_of: HashMap<[u64; 3], u32> = HashMap::with_capacity(mesh.vertices.len());
@@ -42,18 +54,32 @@ pub(super) fn weld(mesh: &TriangleMesh) -> (TriangleMesh, Welding) {
         })
         .collect();
     welding.merged_vertices = mesh.vertices.len() - welding.unused_vertices - out.vertices.len();
-    let mut seen = HashSet::with_capacity(mesh.triangles.len());
+    // Place of the face with these corners in the result, while it has one.
+    let mut place_of: HashMap<[u32; 3], usize> = HashMap::with_capacity(mesh.triangles.len());
+    let mut dropped = Vec::new();
     for triangle in &mesh.triangles {
         let [a, b, c] = triangle.map(|v| renumbered[v as usize]);
         let mut sorted = [a, b, c];
         sorted.sort_unstable();
         if a == b || b == c || c == a {
             welding.degenerate_faces += 1;
-        } else if !seen.insert(sorted) {
-            welding.duplicate_faces += 1;
-        } else {
-            out.triangles.push([a, b, c]);
+            continue;
+        }
+        match place_of.entry(sorted) {
+            Entry::Vacant(entry) => {
+                entry.insert(out.triangles.len());
+                out.triangles.push([a, b, c]);
+            }
+            Entry::Occupied(_) if repeated == Repeated::KeepOne => welding.duplicate_faces += 1,
+            Entry::Occupied(entry) => {
+                welding.paired_faces += 2;
+                dropped.push(entry.remove());
+            }
         }
     }
+    let mut is_kept = vec![true; out.triangles.len()];
+    dropped.into_iter().for_each(|place| is_kept[place] = false);
+    let mut kept = is_kept.into_iter();
+    out.triangles.retain(|_| kept.next().unwrap_or(true));
     (out, welding)
 }

@@ -32,7 +32,9 @@ fn distance([a, b, c]: [DVec3; 3], p: DVec3) -> f64 {
 pub(crate) fn certify(name: &str, mesh: &TriangleMesh, solid: &Solid, packing: &SpherePacking) {
     let size = solid.size();
     let d = solid.diagnosis();
-    let overlaps = d.self_intersections.count + d.covering_faces.count + d.hidden_faces + d.cut_faces > 0;
+    let overlaps =
+        d.self_intersections.count + d.covering_faces.count + d.hidden_faces + d.cut_faces + d.paired_faces
+            > 0;
     for (i, sphere) in packing.spheres().iter().enumerate() {
         let (center, radius) = (sphere.center.as_dvec3(), f64::from(sphere.radius));
         let winding = winding_number(mesh, center);

@@ -103,11 +103,6 @@ fn meshes_without_an_inside_are_refused_by_name() {
             join(&cube(), &cuboid(DVec3::new(1.0, 1.0, 0.0), DVec3::new(2.0, 2.0, 1.0))),
             "NonManifoldEdges",
         ),
-        (
-            "cubes with a common face",
-            join(&cube(), &cuboid(DVec3::X, DVec3::new(2.0, 1.0, 1.0))),
-            "NonManifoldEdges",
-        ),
         ("flat", cuboid(DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0)), "TooFewTriangles"),
         ("nearly flat", cuboid(DVec3::ZERO, DVec3::new(1.0, 1.0, 1e-13)), "BelowResolution"),
         (
@@ -275,6 +270,17 @@ fn defects_that_can_be_mended_are() {
     ] {
         expect(name, mesh, &reference, Packing);
     }
+    // Four cubes in a square, with all the walls between them.
+    let four = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(|[x, y]| {
+        let lower = DVec3::new(x, y, 0.0);
+        cuboid(lower, lower + 1.0)
+    });
+    let four = four.into_iter().reduce(|a, b| join(&a, &b)).unwrap();
+    expect("cubes with walls between them", four.clone(), &four, Packing);
+    let solid = Solid::new(&four).unwrap();
+    assert_eq!((solid.diagnosis().paired_faces, solid.diagnosis().shells), (16, 1));
+    assert!((solid.properties().volume - 4.0).abs() < 1e-12);
+    assert!((solid.depth(DVec3::new(1.0, 1.0, 0.5)) - 0.5).abs() < 1e-12);
     // A cavity, and a solid in it: which way they face in the file does not matter.
     let shell = |half: f64| cuboid(DVec3::splat(-half), DVec3::splat(half));
     let outer = join(&shell(1.0), &inverted(&shell(0.7)));

@@ -60,6 +60,9 @@ fn summary(d: &Diagnosis) -> String {
         d.triangles, d.vertices, d.shells, d.cavities
     )];
     lines.extend(d.volume.map(|volume| format!("volume {volume:.6e}")));
+    if d.overlap_volume > 1e-6 * d.volume.unwrap_or_default() {
+        lines.push(format!("the shells enclose {:.6e} more than once", d.overlap_volume));
+    }
     lines.extend(d.bounds.map(|(lower, upper)| format!("box from {lower} to {upper}")));
     for finding in findings::of(d) {
         lines.push(format!("{}: {} {}", finding.severity, finding.count, finding.what));
@@ -100,6 +103,7 @@ fn to_json(d: &Diagnosis) -> Value {
             "merged_vertices": d.merged_vertices,
             "degenerate_faces": d.degenerate_faces,
             "duplicate_faces": d.duplicate_faces,
+            "paired_faces": d.paired_faces,
             "turned_faces": d.turned_faces,
             "reversed_shells": d.reversed_shells,
             "hidden_faces": d.hidden_faces,

@@ -239,6 +239,7 @@ fn mended(d: &Diagnosis) -> Vec<Finding> {
         mended("merged_vertices", d.merged_vertices, "coincident vertices merged"),
         mended("degenerate_faces", d.degenerate_faces, "degenerate faces dropped"),
         mended("duplicate_faces", d.duplicate_faces, "duplicate faces dropped"),
+        mended("paired_faces", d.paired_faces, "faces of walls between parts that touch dropped"),
         mended("turned_faces", d.turned_faces, "faces turned to agree with their neighbours"),
         mended("reversed_shells", d.reversed_shells, "shells turned inside out"),
         mended("hidden_faces", d.hidden_faces, "faces inside the union left out"),
