@@ -82,7 +82,8 @@ pub enum MeshError {
         /// End points of the first one (m).
         first: [DVec3; 2],
     },
-    /// Edges where more than two faces meet: inside and outside are not defined there.
+    /// Edges where more than two faces meet that do not bound wedges of material: inside and outside are not defined
+    /// there.
     #[error(
         "{count} edges have more than two faces, the first from {} to {} with {faces}; separate the parts that touch there", first[0], first[1]
     )]

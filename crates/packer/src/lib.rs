@@ -18,8 +18,9 @@
 //!   result is the same bit by bit for any number of threads.
 //!
 //! # Limits
-//! The surface must be closed and every edge must have two faces. [`diagnose`] tells what is wrong with a mesh. A
-//! surface may cut itself and solids may overlap: what they wind around is inside and counts once.
+//! The surface must be closed. Every edge must have two faces, or bound wedges of material as where two parts touch.
+//! [`diagnose`] tells what is wrong with a mesh. A surface may cut itself and solids may overlap: what they wind around
+//! is inside and counts once.
 //!
 //! # Features
 //! - `cli` (default): the program `packer`. Libraries that pack at load time turn it off.

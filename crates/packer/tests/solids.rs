@@ -169,3 +169,37 @@ fn issue_overlapping_cubes_are_one_solid_and_no_cavity() {
         }
     }
 }
+
+#[test]
+fn parts_that_touch_along_an_edge_are_a_solid() {
+    // Two cubes with a common edge; two with a common wall, cut along the one and the other diagonal.
+    let block = |x: f64, y: f64| cuboid(DVec3::new(x, y, 0.0), DVec3::new(x + 1.0, y + 1.0, 1.0));
+    let two = join(&block(0.0, 0.0), &block(1.0, 1.0));
+    let mut other_diagonals = block(1.0, 0.0);
+    for pair in other_diagonals.triangles.chunks_mut(2) {
+        let ([a, b, c], d) = (pair[0], pair[1][2]);
+        (pair[0], pair[1]) = ([a, b, d], [b, c, d]);
+    }
+    let wall = join(&block(0.0, 0.0), &other_diagonals);
+    for (mesh, edges) in [(&two, 1), (&inverted(&two), 1), (&wall, 4)] {
+        let solid = Solid::new(mesh).unwrap();
+        assert_eq!((solid.diagnosis().shared_edges.count, solid.diagnosis().cavities), (edges, 0));
+        assert!((solid.properties().volume - 2.0).abs() < 1e-12);
+        for p in [DVec3::new(0.9, 0.9, 0.5), DVec3::new(0.999_9, 0.999_8, 0.5), DVec3::splat(0.2)] {
+            assert!(solid.contains(p), "{p}");
+        }
+        assert!(
+            !solid.contains(DVec3::new(0.9, 1.1, 0.5)) && !solid.contains(DVec3::new(0.999_9, 1.000_2, 0.5))
+        );
+    }
+    let solid = Solid::new(&two).unwrap();
+    assert!(solid.contains(DVec3::new(1.1, 1.1, 0.5)) && !solid.contains(DVec3::new(1.1, 0.9, 0.5)));
+    // The wall does not count: the two blocks are one of 2 by 1 by 1.
+    let solid = Solid::new(&wall).unwrap();
+    assert!((solid.depth(DVec3::new(1.0, 0.5, 0.5)) - 0.5).abs() < 1e-12);
+    assert!(solid.contains(DVec3::new(1.2, 0.5, 0.5)) && !solid.contains(DVec3::new(1.2, 1.1, 0.5)));
+    // With faces turned at random nobody can tell.
+    let mut turned = two;
+    turned.triangles.iter_mut().step_by(2).for_each(|t| t.swap(0, 1));
+    assert!(matches!(Solid::new(&turned), Err(MeshError::NonManifoldEdges { faces: 4, .. })));
+}

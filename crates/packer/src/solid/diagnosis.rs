@@ -40,7 +40,10 @@ pub struct Diagnosis {
     pub open_edges: Findings<[DVec3; 2]>,
     /// Loops that the open edges make; those that touch count as one.
     pub holes: usize,
-    /// Edges of more than two faces: their ends (m), and the number of faces.
+    /// Edges along which parts of the solid touch: they have four faces or more, whose orientations tell which two
+    /// belong together. Their ends (m).
+    pub shared_edges: Findings<[DVec3; 2]>,
+    /// Other edges of more than two faces: their ends (m), and the number of faces.
     pub non_manifold_edges: Findings<([DVec3; 2], usize)>,
     /// Shells that have no inner and outer side, such as a Klein bottle: a triangle of each.
     pub one_sided: Findings<usize>,

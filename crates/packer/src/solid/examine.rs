@@ -51,6 +51,7 @@ pub(super) fn examine(mesh: &TriangleMesh) -> (Diagnosis, Option<Surface>) {
     d.open_edges = census.open.iter().map(|edge| ends(*edge)).collect();
     d.holes = topology::holes(&census.open);
     d.non_manifold_edges = census.non_manifold.iter().map(|(edge, faces)| (ends(*edge), *faces)).collect();
+    d.shared_edges = census.shared.iter().map(|edge| ends(*edge)).collect();
     let mut neighbours = census.neighbours;
     let orientation = topology::orient_consistently(&mut mesh, &mut neighbours);
     d.turned_faces = orientation.turned;
@@ -73,7 +74,7 @@ pub(super) fn examine(mesh: &TriangleMesh) -> (Diagnosis, Option<Surface>) {
     meetings.iter_mut().for_each(|meeting| meeting.turn(is_turned));
     // Triangles that were turned cross rays the other way.
     let bvh = if d.reversed_shells > 0 { bvh_of(&mesh) } else { bvh };
-    let surface = finish(mesh, &neighbours, bvh, &meetings, &mut d);
+    let surface = finish(Closed { mesh, neighbours, shared: census.shared }, bvh, &meetings, &mut d);
     let is_solid = d.refusal().is_none();
     (d, is_solid.then_some(surface))
 }
@@ -156,29 +157,36 @@ fn sort_meetings(mesh: &TriangleMesh, meetings: &[Meeting], shell_of: &[u32], d:
     overlaps
 }
 
-/// From the closed and oriented surface to what bounds its union.
-fn finish(
+/// A closed and oriented surface.
+struct Closed {
     mesh: TriangleMesh,
-    neighbours: &Neighbours,
-    bvh: Bvh,
-    meetings: &[Meeting],
-    d: &mut Diagnosis,
-) -> Surface {
+    neighbours: Neighbours,
+    /// Edges of more than two faces.
+    shared: Vec<[u32; 2]>,
+}
+
+/// From the whole surface to what bounds its union.
+fn finish(closed: Closed, bvh: Bvh, meetings: &[Meeting], d: &mut Diagnosis) -> Surface {
+    let Closed { mesh, neighbours, shared } = closed;
+    // Several faces are equally near there, and they need not agree.
+    let mut is_shared = vec![false; mesh.vertices.len()];
+    shared.iter().flatten().for_each(|vertex| is_shared[*vertex as usize] = true);
+    let at_shared_edge = |triangle: usize| mesh.triangles[triangle].iter().any(|v| is_shared[*v as usize]);
     let (lower, upper) = mesh.bounds();
     let center = 0.5 * (lower + upper);
     let corners = (0..mesh.triangles.len()).map(|triangle| mesh.corners(triangle));
     let by_shells = mass::properties(corners, center);
     if meetings.is_empty() {
         d.volume = Some(by_shells.volume);
-        let pseudonormals = Pseudonormals::new(&mesh, neighbours, |_| false);
+        let pseudonormals = Pseudonormals::new(&mesh, &neighbours, at_shared_edge);
         return Surface { mesh, bvh, uncut: None, pseudonormals, properties: by_shells };
     }
-    let visible = visible::visible(&mesh, neighbours, &bvh, meetings);
+    let visible = visible::visible(&mesh, &neighbours, &bvh, meetings);
     let mut is_whole = vec![false; mesh.triangles.len()];
     for (parent, whole) in visible.parents.iter().zip(&visible.is_whole) {
         is_whole[*parent as usize] = *whole;
     }
-    let pseudonormals = Pseudonormals::new(&mesh, neighbours, |triangle| !is_whole[triangle])
+    let pseudonormals = Pseudonormals::new(&mesh, &neighbours, |t| !is_whole[t] || at_shared_edge(t))
         .of_parts(&visible.parents, &visible.is_whole);
     let properties = mass::properties(visible.enclosing.iter().copied(), center);
     d.hidden_faces = visible.hidden;

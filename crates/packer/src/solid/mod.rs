@@ -8,6 +8,7 @@ mod mass;
 mod meetings;
 mod plane;
 mod pseudonormals;
+mod radial;
 mod shells;
 mod topology;
 mod trapezoids;

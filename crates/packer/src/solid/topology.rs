@@ -1,5 +1,6 @@
 //! Which faces meet at which edge: closedness, orientation, shells.
 
+use super::radial;
 use crate::TriangleMesh;
 use std::collections::HashMap;
 
@@ -8,13 +9,22 @@ pub(super) type Neighbours = Vec<[u32; 3]>;
 /// No triangle.
 pub(super) const NONE: u32 = u32::MAX;
 
+/// A side of a triangle: that from corner `slot` to the next one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Side {
+    pub(super) triangle: u32,
+    pub(super) slot: usize,
+}
+
 /// Edges by how many faces they have.
 #[derive(Clone, Debug, Default)]
 pub(super) struct EdgeCensus {
     /// Edges of one face, in order of that face.
     pub(super) open: Vec<[u32; 2]>,
-    /// Edges of more than two faces and their number, in order of the first face.
+    /// Edges of more than two faces that do not bound wedges of material, and their number, in order of the first face.
     pub(super) non_manifold: Vec<([u32; 2], usize)>,
+    /// Edges of more than two faces that bound wedges of material, in order of the first face.
+    pub(super) shared: Vec<[u32; 2]>,
     pub(super) neighbours: Neighbours,
 }
 
@@ -31,15 +41,34 @@ pub(super) fn edge_census(mesh: &TriangleMesh) -> EdgeCensus {
     });
     let mut census =
         EdgeCensus { neighbours: vec![[NONE; 3]; mesh.triangles.len()], ..EdgeCensus::default() };
+    let mut crowded: HashMap<[u32; 2], Vec<Side>> = HashMap::new();
+    let mut in_order = Vec::new();
     for_each_edge(mesh, |triangle, slot, edge| {
         let Some(&(first, second, count)) = faces.get(&edge) else { return };
         match count {
             1 => census.open.push(edge),
             2 => census.neighbours[triangle as usize][slot] = if first == triangle { second } else { first },
-            _ if first == triangle => census.non_manifold.push((edge, count)),
-            _ => {}
+            _ => {
+                if first == triangle {
+                    in_order.push(edge);
+                }
+                crowded.entry(edge).or_default().push(Side { triangle, slot });
+            }
         }
     });
+    for edge in in_order {
+        let sides = crowded.remove(&edge).unwrap_or_default();
+        match radial::wedges(mesh, edge, &sides) {
+            None => census.non_manifold.push((edge, sides.len())),
+            Some(wedges) => {
+                census.shared.push(edge);
+                for [a, b] in wedges {
+                    census.neighbours[a.triangle as usize][a.slot] = b.triangle;
+                    census.neighbours[b.triangle as usize][b.slot] = a.triangle;
+                }
+            }
+        }
+    }
     census
 }
 

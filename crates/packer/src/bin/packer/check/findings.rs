@@ -202,6 +202,13 @@ fn warnings(d: &Diagnosis) -> Vec<Finding> {
             "their union is packed; the volume that they share counts once",
         ),
         warning(
+            "shared_edges",
+            d.shared_edges.count,
+            "edges along which parts touch",
+            places(&d.shared_edges, |e| Place::Edge(*e)),
+            "they have more than two faces; which belong together is told by their orientation",
+        ),
+        warning(
             "folds",
             d.folds.count,
             "edges folded by more than 150°",
