@@ -6,7 +6,7 @@ mod common;
 
 use common::{bumpy_sphere, cuboid, extruded, join, rotated, torus};
 use glam::{DMat3, DQuat, DVec2, DVec3};
-use packer::{PackOptions, Solid, TriangleMesh, pack};
+use packer::{MeshError, PackOptions, Solid, TriangleMesh, pack};
 use std::f64::consts::PI;
 
 /// Points of the box around `mesh`, somewhat enlarged, by the additive recurrence of M. Roberts (2018).
@@ -202,4 +202,14 @@ fn what_cuts_itself_is_the_same_for_any_number_of_threads() {
     };
     let one = surface(1);
     assert!(one == surface(2) && one == surface(8));
+}
+
+/// Two faces that face the same way were taken for a wall between parts that touch, and the solid came out half.
+#[test]
+fn issue_a_box_in_a_box_with_a_common_face_is_not_halved() {
+    let mesh = join(
+        &cuboid(DVec3::new(0.0, 0.0, 1.0), DVec3::new(1.0, 3.0, 2.0)),
+        &cuboid(DVec3::ZERO, DVec3::new(1.0, 3.0, 2.0)),
+    );
+    assert!(matches!(Solid::new(&mesh), Err(MeshError::NonManifoldEdges { .. })));
 }

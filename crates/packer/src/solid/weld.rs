@@ -25,7 +25,8 @@ pub(super) struct Welding {
 pub(super) enum Repeated {
     /// One of them is kept: a face was written twice, or once for each side.
     KeepOne,
-    /// Pairs are dropped: they are a wall between two parts that touch.
+    /// Pairs that face opposite ways are dropped: they are a wall between two parts that touch. Of those that face the
+    /// same way one is kept.
     DropPairs,
 }
 
@@ -70,7 +71,11 @@ pub(super) fn weld(mesh: &TriangleMesh, repeated: Repeated) -> (TriangleMesh, We
                 entry.insert(out.triangles.len());
                 out.triangles.push([a, b, c]);
             }
-            Entry::Occupied(_) if repeated == Repeated::KeepOne => welding.duplicate_faces += 1,
+            Entry::Occupied(entry)
+                if repeated == Repeated::KeepOne || faces_alike(out.triangles[*entry.get()], [a, b, c]) =>
+            {
+                welding.duplicate_faces += 1;
+            }
             Entry::Occupied(entry) => {
                 welding.paired_faces += 2;
                 dropped.push(entry.remove());
@@ -82,4 +87,9 @@ pub(super) fn weld(mesh: &TriangleMesh, repeated: Repeated) -> (TriangleMesh, We
     let mut kept = is_kept.into_iter();
     out.triangles.retain(|_| kept.next().unwrap_or(true));
     (out, welding)
+}
+
+/// Whether two triangles of the same corners face the same way.
+fn faces_alike([a, b, c]: [u32; 3], other: [u32; 3]) -> bool {
+    [[a, b, c], [b, c, a], [c, a, b]].contains(&other)
 }
