@@ -15,6 +15,12 @@ pub enum MeshError {
         /// What the operating system said.
         source: std::io::Error,
     },
+    /// The path leads to a folder or a device.
+    #[error("{} is no regular file; name a mesh file", path.display())]
+    NotAFile {
+        /// The path.
+        path: PathBuf,
+    },
     /// The file has no bytes.
     #[error("{} is empty; export the mesh again", path.display())]
     EmptyFile {
@@ -76,7 +82,8 @@ pub enum MeshError {
         /// End points of the first one (m).
         first: [DVec3; 2],
     },
-    /// Edges where more than two faces meet: inside and outside are not defined there.
+    /// Edges where more than two faces meet that do not bound wedges of material: inside and outside are not defined
+    /// there.
     #[error(
         "{count} edges have more than two faces, the first from {} to {} with {faces}; separate the parts that touch there", first[0], first[1]
     )]
@@ -95,6 +102,32 @@ pub enum MeshError {
     NotOrientable {
         /// A triangle whose neighbours ask for both orientations.
         triangle: usize,
+    },
+    /// The size is none that single precision can hold the volumes of.
+    #[error(
+        "the mesh measures {size:e} m; scale it to between 1e-9 and 1e12 m, as single precision cannot hold the volumes of its spheres"
+    )]
+    SizeOutOfRange {
+        /// Diagonal of the bounding box (m).
+        size: f64,
+    },
+    /// No ball that single precision can tell from a point fits into the bounding box.
+    #[error(
+        "the mesh is {extent:e} m thin, but single precision resolves no ball smaller than {smallest:e} m in radius at its place; move it towards the origin or make it thicker"
+    )]
+    BelowResolution {
+        /// Shortest edge of the bounding box (m).
+        extent: f64,
+        /// Smallest radius that can be told from a point there (m).
+        smallest: f64,
+    },
+    /// The surface cuts itself too often.
+    #[error(
+        "the surface cuts itself in {count} places or more; it is a tangle: remesh it, for instance from voxels"
+    )]
+    TooManyIntersections {
+        /// Pairs of triangles found until the search was given up.
+        count: usize,
     },
     /// The surface encloses nothing.
     #[error("the mesh encloses no volume ({volume:e} m³ in a box of {size:e} m); give it thickness")]

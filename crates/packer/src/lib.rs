@@ -19,8 +19,9 @@
 //! - [`export`] writes packings as CSV, JSON and URDF.
 //!
 //! # Limits
-//! The surface must be closed and every edge must have two faces. Where a surface cuts itself, a ball is kept only
-//! if the surface winds around its centre, but balls do not cross the inner sheets.
+//! The surface must be closed. Every edge must have two faces, or bound wedges of material as where two parts touch.
+//! [`diagnose`] tells what is wrong with a mesh. A surface may cut itself and solids may overlap: what they wind around
+//! is inside and counts once.
 //!
 //! # Features
 //! - `cli` (default): the program `packer`. Libraries that pack at load time turn it off.
@@ -35,4 +36,4 @@ mod solid;
 pub use error::MeshError;
 pub use mesh::TriangleMesh;
 pub use pack::{PackError, PackOptions, PackReport, Packed, Progress, StopReason, pack, pack_with_progress};
-pub use solid::{Diagnosis, Solid, SurfacePoint};
+pub use solid::{Diagnosis, Findings, Solid, SurfacePoint, diagnose};

@@ -53,7 +53,9 @@ fn the_same_tetrahedron_comes_from_every_format() {
         ("binary.stl", binary_stl),
         ("ascii.ply", ply.into_bytes()),
         ("binary.ply", binary_ply()),
+        ("big_endian.ply", big_endian_ply()),
         ("binary.GLB", glb()),
+        ("text.gltf", gltf(&single_node(""), &tetrahedron_bytes(1.0))),
     ] {
         let path = file(&folder, name, content);
         assert!((volume(&path) - 1.0 / 6.0).abs() < 1e-9, "{name}");
@@ -73,18 +75,55 @@ fn binary_ply() -> Vec<u8> {
     out
 }
 
+fn big_endian_ply() -> Vec<u8> {
+    let mut out = b"ply\nformat binary_big_endian 1.0\nelement face 4\nproperty uchar flags\n\
+        property list ushort int vertex_indices\nelement vertex 4\nproperty double x\nproperty double y\n\
+        property double z\nend_header\n"
+        .to_vec();
+    for face in FACES {
+        out.extend([9, 0, 3]);
+        out.extend(face.iter().flat_map(|i| i.to_be_bytes()));
+    }
+    out.extend(CORNERS.iter().flatten().flat_map(|c| f64::from(*c).to_be_bytes()));
+    out
+}
+
+/// Positions and 16-bit indices of the tetrahedron: 48 and 24 bytes.
+fn tetrahedron_bytes(scale: f32) -> Vec<u8> {
+    let mut bytes: Vec<u8> = CORNERS.iter().flatten().flat_map(|c| (scale * c).to_le_bytes()).collect();
+    bytes.extend(FACES.iter().flatten().flat_map(|i| (*i as u16).to_le_bytes()));
+    bytes
+}
+
+/// A scene with the mesh at one node, which has these further members.
+fn single_node(members: &str) -> String {
+    format!(
+        r#""scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0{members}}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1}}]}}],{TETRAHEDRON}"#
+    )
+}
+
+const TETRAHEDRON: &str = r#""bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":24}],
+    "accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[2,2,2]},
+                 {"bufferView":1,"componentType":5123,"count":12,"type":"SCALAR"}]"#;
+
+fn gltf(members: &str, buffer: &[u8]) -> Vec<u8> {
+    use base64::Engine;
+    let data = base64::engine::general_purpose::STANDARD.encode(buffer);
+    format!(
+        r#"{{"asset":{{"version":"2.0"}},{members},
+        "buffers":[{{"byteLength":{},"uri":"data:application/octet-stream;base64,{data}"}}]}}"#,
+        buffer.len()
+    )
+    .into_bytes()
+}
+
 /// The tetrahedron doubled in size and halved again by its node.
 fn glb() -> Vec<u8> {
-    let mut blob: Vec<u8> = CORNERS.iter().flatten().flat_map(|c| (2.0 * c).to_le_bytes()).collect();
-    blob.extend(FACES.iter().flatten().flat_map(|i| (*i as u16).to_le_bytes()));
-    let json = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],
-        "nodes":[{"mesh":0,"scale":[0.5,0.5,0.5],"translation":[3,0,0]}],
-        "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],
-        "buffers":[{"byteLength":72}],
-        "bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":24}],
-        "accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[2,2,2]},
-                     {"bufferView":1,"componentType":5123,"count":12,"type":"SCALAR"}]}"#;
-    let mut json = json.as_bytes().to_vec();
+    let blob = tetrahedron_bytes(2.0);
+    let node = single_node(r#","scale":[0.5,0.5,0.5],"translation":[3,0,0]"#);
+    let mut json =
+        format!(r#"{{"asset":{{"version":"2.0"}},{node},"buffers":[{{"byteLength":72}}]}}"#).into_bytes();
     json.resize(json.len().next_multiple_of(4), b' ');
     let mut out = b"glTF".to_vec();
     let total = 12 + 8 + json.len() + 8 + blob.len();
@@ -95,6 +134,152 @@ fn glb() -> Vec<u8> {
     out.extend([blob.len() as u32, 0x004E_4942].iter().flat_map(|word| word.to_le_bytes()));
     out.extend(blob);
     out
+}
+
+/// Signed volume of the triangles as they came.
+fn signed_volume(mesh: &TriangleMesh) -> f64 {
+    let tetrahedron = |triangle| {
+        let [a, b, c] = mesh.corners(triangle);
+        a.dot(b.cross(c)) / 6.0
+    };
+    (0..mesh.triangles.len()).map(tetrahedron).sum()
+}
+
+#[test]
+fn a_gltf_scene_is_all_its_nodes_with_their_transforms() {
+    let folder = TempDir::new().unwrap();
+    // A parent moved by (10, 0, 0) and turned about z, two children with the same mesh: one twice as large, one
+    // mirrored. A node outside the scene does not count.
+    let members = format!(
+        r#""scene":1,"scenes":[{{"nodes":[3]}},{{"nodes":[0]}}],"nodes":[
+            {{"children":[1,2],"translation":[10,0,0],"rotation":[0,0,0.7071067811865476,0.7071067811865476]}},
+            {{"mesh":0,"scale":[2,2,2]}},
+            {{"mesh":0,"matrix":[-1,0,0,0, 0,1,0,0, 0,0,1,0, -5,0,0,1]}},
+            {{"mesh":0}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1}}]}}],{TETRAHEDRON}"#
+    );
+    let path = file(&folder, "scene.gltf", gltf(&members, &tetrahedron_bytes(1.0)));
+    let mesh = TriangleMesh::load(&path).unwrap();
+    assert_eq!(mesh.triangles.len(), 8);
+    // The mirrored part still faces outwards.
+    assert!((signed_volume(&mesh) - 1.5).abs() < 1e-6);
+    let (lower, upper) = mesh.bounds();
+    assert!(lower.distance(DVec3::new(8.0, -6.0, 0.0)) < 1e-6, "{lower}");
+    assert!(upper.distance(DVec3::new(10.0, 2.0, 2.0)) < 1e-6, "{upper}");
+}
+
+#[test]
+fn sparse_accessors_replace_values() {
+    let folder = TempDir::new().unwrap();
+    // The tip of the tetrahedron is raised to 3; and a mesh of zeros with three corners put in.
+    let mut bytes = tetrahedron_bytes(1.0);
+    bytes.extend([3, 0, 0, 0]);
+    bytes.extend([0.0_f32, 0.0, 3.0].iter().flat_map(|c| c.to_le_bytes()));
+    bytes.extend([1, 2, 3, 0]);
+    bytes.extend(CORNERS[1..].iter().flatten().flat_map(|c| c.to_le_bytes()));
+    for (base, sparse, volume) in [
+        (
+            r#""bufferView":0,"#,
+            r#"{"count":1,"indices":{"bufferView":2,"componentType":5121},"values":{"bufferView":3}}"#,
+            0.5,
+        ),
+        (
+            "",
+            r#"{"count":3,"indices":{"bufferView":4,"componentType":5121},"values":{"bufferView":5}}"#,
+            1.0 / 6.0,
+        ),
+    ] {
+        let members = format!(
+            r#""scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],
+            "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1}}]}}],
+            "bufferViews":[{{"buffer":0,"byteLength":48}},{{"buffer":0,"byteOffset":48,"byteLength":24}},
+                {{"buffer":0,"byteOffset":72,"byteLength":1}},{{"buffer":0,"byteOffset":76,"byteLength":12}},
+                {{"buffer":0,"byteOffset":88,"byteLength":3}},{{"buffer":0,"byteOffset":92,"byteLength":36}}],
+            "accessors":[{{{base}"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,1,3],"sparse":{sparse}}},
+                {{"bufferView":1,"componentType":5123,"count":12,"type":"SCALAR"}}]"#
+        );
+        let path = file(&folder, "sparse.gltf", gltf(&members, &bytes));
+        assert!((self::volume(&path) - volume).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn faces_of_many_corners_that_are_not_convex_keep_their_shape() {
+    let folder = TempDir::new().unwrap();
+    // An L-shaped prism of volume 3, in OBJ with negative indices and in PLY.
+    let outline = [[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]];
+    let (mut obj, mut ply) = (
+        String::new(),
+        String::from(
+            "ply\nformat ascii 1.0\nelement vertex 12\nproperty float x\nproperty float y\nproperty float z\n\
+         element face 8\nproperty list uchar int vertex_indices\nend_header\n",
+        ),
+    );
+    for [x, y] in outline {
+        for z in 0..2 {
+            writeln!(obj, "v {x} {y} {z}").unwrap();
+            writeln!(ply, "{x} {y} {z}").unwrap();
+        }
+    }
+    let mut faces: Vec<Vec<i32>> =
+        vec![(0..6).rev().map(|i| 2 * i).collect(), (0..6).map(|i| 2 * i + 1).collect()];
+    faces.extend((0..6).map(|i| {
+        let j = (i + 1) % 6;
+        vec![2 * i, 2 * j, 2 * j + 1, 2 * i + 1]
+    }));
+    for face in &faces {
+        // The last vertex is -1.
+        let text: Vec<String> = face.iter().map(|i| (i - 12).to_string()).collect();
+        writeln!(obj, "f {}", text.join(" ")).unwrap();
+        let text: Vec<String> = face.iter().map(i32::to_string).collect();
+        writeln!(ply, "{} {}", face.len(), text.join(" ")).unwrap();
+    }
+    for (name, text) in [("l.obj", obj), ("l.ply", ply)] {
+        let path = file(&folder, name, text);
+        let solid = Solid::new(&TriangleMesh::load(&path).unwrap()).unwrap();
+        assert_eq!(solid.diagnosis().folds.count, 0, "{name}");
+        assert_eq!(solid.diagnosis().covering_faces.count, 0, "{name}");
+        assert!((solid.properties().volume - 3.0).abs() < 1e-12, "{name}");
+        assert!(!solid.contains(DVec3::new(1.5, 1.5, 0.5)), "{name}");
+    }
+}
+
+#[test]
+fn names_in_other_encodings_and_several_solids_are_read() {
+    let folder = TempDir::new().unwrap();
+    let mut obj = b"# Gr\xF6\xDFe in Latin-1\no K\xF6rper\n".to_vec();
+    CORNERS.iter().for_each(|[x, y, z]| obj.extend(format!("v {x} {y} {z}\n").bytes()));
+    FACES.iter().for_each(|t| obj.extend(format!("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1).bytes()));
+    assert!((volume(&file(&folder, "latin.obj", &obj)) - 1.0 / 6.0).abs() < 1e-9);
+
+    let mut stl = Vec::new();
+    for name in [&b"K\xF6rper"[..], b"second"] {
+        let shift = if name == b"second" { 5.0 } else { 0.0 };
+        stl.extend([&b"solid "[..], name, b"\n"].concat());
+        for face in FACES {
+            stl.extend(b"facet normal 0 0 0\nouter loop\n");
+            for [x, y, z] in face.map(|i| CORNERS[i as usize]) {
+                stl.extend(format!("vertex {} {y} {z}\n", x + shift).bytes());
+            }
+            stl.extend(b"endloop\nendfacet\n");
+        }
+        stl.extend([&b"endsolid "[..], name, b"\n"].concat());
+    }
+    assert!((volume(&file(&folder, "two.stl", &stl)) - 2.0 / 6.0).abs() < 1e-9);
+
+    let ply = String::from_utf8(ascii_ply_header("comment Gr?sse\n")).unwrap();
+    let mut ply: Vec<u8> = ply.bytes().map(|b| if b == b'?' { 0xF6 } else { b }).collect();
+    CORNERS.iter().for_each(|[x, y, z]| ply.extend(format!("{x} {y} {z}\n").bytes()));
+    FACES.iter().for_each(|[a, b, c]| ply.extend(format!("3 {a} {b} {c}\n").bytes()));
+    assert!((volume(&file(&folder, "latin.ply", &ply)) - 1.0 / 6.0).abs() < 1e-9);
+}
+
+fn ascii_ply_header(comment: &str) -> Vec<u8> {
+    format!(
+        "ply\nformat ascii 1.0\n{comment}element vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+         element face 4\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+    .into_bytes()
 }
 
 #[test]

@@ -1,12 +1,12 @@
 //! glTF 2.0, text and binary: all triangles of the default scene, in its frame.
 
-use super::Parsed;
+use super::{Parsed, accessor, polygon};
 use crate::TriangleMesh;
 use base64::Engine;
-use glam::{DMat4, DVec3, Mat4};
-use gltf::accessor::{DataType, Dimensions};
+use glam::{DMat4, DQuat, DVec3, Mat4};
 use gltf::buffer::Source;
 use gltf::mesh::Mode;
+use gltf::scene::Transform;
 use gltf::{Gltf, Node, Primitive, Semantic};
 use std::path::Path;
 
@@ -26,13 +26,26 @@ pub(super) fn parse(bytes: &[u8], folder: &Path) -> Parsed {
     let mut open: Vec<(Node, DMat4)> = scene.nodes().map(|node| (node, DMat4::IDENTITY)).collect();
     while let Some((node, parent)) = open.pop() {
         budget = budget.checked_sub(1).ok_or("the nodes form a cycle")?;
-        let pose = parent * Mat4::from_cols_array_2d(&node.transform().matrix()).as_dmat4();
+        let pose = parent * pose_in_parent(&node);
         for primitive in node.mesh().iter().flat_map(|mesh| mesh.primitives()) {
             add_primitive(&mut mesh, &primitive, &pose, &buffers)?;
         }
         open.extend(node.children().map(|child| (child, pose)));
     }
     Ok(mesh)
+}
+
+/// Composed in double precision, which keeps rotated right angles right.
+fn pose_in_parent(node: &Node) -> DMat4 {
+    match node.transform() {
+        Transform::Matrix { matrix } => Mat4::from_cols_array_2d(&matrix).as_dmat4(),
+        Transform::Decomposed { translation, rotation, scale } => {
+            let [translation, scale] = [translation, scale].map(|v| DVec3::from_array(v.map(f64::from)));
+            let rotation = DQuat::from_array(rotation.map(f64::from));
+            // A quaternion of zeros has no direction; it is not finite then, and so are the vertices.
+            DMat4::from_scale_rotation_translation(scale, rotation.normalize(), translation)
+        }
+    }
 }
 
 fn add_primitive(
@@ -44,28 +57,31 @@ fn add_primitive(
     if matches!(primitive.mode(), Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
         return Ok(());
     }
-    // The reader relies on a validation that leaves out these two.
     let accessor = primitive.get(&Semantic::Positions).ok_or("a primitive has no positions")?;
-    let is_empty = accessor.count() == 0 || primitive.indices().is_some_and(|indices| indices.count() == 0);
-    if is_empty || accessor.data_type() != DataType::F32 || accessor.dimensions() != Dimensions::Vec3 {
-        return Err("the positions of a primitive are not three floats each".to_owned());
-    }
-    let reader = primitive.reader(|buffer| buffers.get(buffer.index()).map(Vec::as_slice));
-    let positions = reader.read_positions().ok_or("positions lie outside their buffer")?;
+    let positions = accessor::positions(&accessor, buffers)?;
     let base = mesh.vertices.len() as u32;
-    mesh.vertices.extend(positions.map(|p| pose.transform_point3(DVec3::from_array(p.map(f64::from)))));
-    let count = mesh.vertices.len() as u32 - base;
-    let indices: Vec<u32> = match (reader.read_indices(), primitive.indices()) {
-        (Some(indices), _) => indices.into_u32().map(|i| i.saturating_add(base)).collect(),
-        (None, Some(_)) => return Err("indices lie outside their buffer".to_owned()),
-        (None, None) => (base..base + count).collect(),
+    let count = positions.len() as u32;
+    mesh.vertices.extend(positions.into_iter().map(|p| pose.transform_point3(p)));
+    let indices: Vec<u32> = match primitive.indices() {
+        // An index that is out of range of its own primitive must not find a vertex of the next one.
+        Some(indices) => accessor::indices(&indices, buffers)?
+            .into_iter()
+            .map(|i| if i < count { base + i } else { u32::MAX })
+            .collect(),
+        None => (base..base + count).collect(),
     };
+    let mut triangles = Vec::new();
     let strip = |(i, w): (usize, &[u32])| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] };
     match primitive.mode() {
-        Mode::TriangleStrip => mesh.triangles.extend(indices.windows(3).enumerate().map(strip)),
-        Mode::TriangleFan => super::add_fan(&mut mesh.triangles, &indices),
-        _ => mesh.triangles.extend(indices.chunks_exact(3).map(|c| [c[0], c[1], c[2]])),
+        Mode::TriangleStrip => triangles.extend(indices.windows(3).enumerate().map(strip)),
+        Mode::TriangleFan => polygon::add_fan(&mut triangles, &indices),
+        _ => triangles.extend(indices.chunks_exact(3).map(|c| [c[0], c[1], c[2]])),
     }
+    if pose.determinant() < 0.0 {
+        // A mirror image has the other orientation.
+        triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+    }
+    mesh.triangles.append(&mut triangles);
     Ok(())
 }
 
@@ -78,5 +94,9 @@ fn read_uri(uri: &str, folder: &Path) -> Result<Vec<u8>, String> {
     }
     let name = urlencoding::decode(uri).map_err(|error| error.to_string())?;
     let path = folder.join(name.as_ref());
-    std::fs::read(&path).map_err(|error| format!("cannot read the buffer {}: {error}", path.display()))
+    let failed = |error: std::io::Error| format!("cannot read the buffer {}: {error}", path.display());
+    if !std::fs::metadata(&path).map_err(failed)?.is_file() {
+        return Err(format!("the buffer {} is no regular file", path.display()));
+    }
+    std::fs::read(&path).map_err(failed)
 }

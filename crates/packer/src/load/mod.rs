@@ -2,9 +2,11 @@
 //!
 //! A loader's only task is to collect triangles; what they enclose is the business of [`crate::Solid`].
 
+mod accessor;
 mod gltf;
 mod obj;
 mod ply;
+mod polygon;
 mod stl;
 
 use crate::{MeshError, TriangleMesh};
@@ -15,12 +17,24 @@ type Parsed = Result<TriangleMesh, String>;
 
 impl TriangleMesh {
     /// Reads a mesh file; the extension decides on the format: `.obj`, `.stl` (binary or ASCII), `.ply`
-    /// (either), `.gltf` or `.glb`. Polygons become fans of triangles; all objects of a file become one mesh.
+    /// (either), `.gltf` or `.glb`. Polygons become triangles; all objects of a file become one mesh. Of glTF that is
+    /// the default scene, each mesh as often as nodes place it; meshes compressed by an extension are not read.
     ///
     /// # Errors
     /// [`MeshError`] tells whether the file is missing, empty, of another kind, without faces, or has a
     /// coordinate that is not finite.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, MeshError> {
+        let mesh = Self::load_unchecked(path)?;
+        mesh.validate()?;
+        Ok(mesh)
+    }
+
+    /// As [`Self::load`], but also returns meshes without faces, with coordinates that are not finite, or with
+    /// faces at vertices that do not exist: [`crate::diagnose`] tells how many and where.
+    ///
+    /// # Errors
+    /// [`MeshError`] where the file cannot be read as what its extension announces.
+    pub fn load_unchecked(path: impl AsRef<Path>) -> Result<Self, MeshError> {
         let path = path.as_ref();
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         let format = match extension.as_str() {
@@ -33,25 +47,22 @@ impl TriangleMesh {
             _ if !path.exists() => "",
             _ => return Err(MeshError::UnknownFormat { path: path.into() }),
         };
-        let bytes = std::fs::read(path).map_err(|source| MeshError::Io { path: path.into(), source })?;
+        let io_error = |source| MeshError::Io { path: path.into(), source };
+        if !std::fs::metadata(path).map_err(io_error)?.is_file() {
+            return Err(MeshError::NotAFile { path: path.into() });
+        }
+        let bytes = std::fs::read(path).map_err(io_error)?;
         if bytes.is_empty() {
             return Err(MeshError::EmptyFile { path: path.into() });
         }
-        let parsed = match format {
+        let parse = || match format {
             "OBJ" => obj::parse(&bytes),
             "STL" => stl::parse(&bytes),
             "PLY" => ply::parse(&bytes),
             _ => gltf::parse(&bytes, path.parent().unwrap_or(Path::new(""))),
         };
-        let mesh = parsed.map_err(|what| MeshError::Parse { path: path.into(), format, what })?;
-        mesh.validate()?;
-        Ok(mesh)
-    }
-}
-
-/// Adds the polygon `corners` to `triangles` as a fan around its first corner.
-fn add_fan(triangles: &mut Vec<[u32; 3]>, corners: &[u32]) {
-    if let Some((first, rest)) = corners.split_first() {
-        triangles.extend(rest.windows(2).map(|pair| [*first, pair[0], pair[1]]));
+        // No file is known at which the readers panic; if there is one, it is damaged and not the program.
+        let parsed = std::panic::catch_unwind(parse).unwrap_or_else(|_| Err("its reader gave up".to_owned()));
+        parsed.map_err(|what| MeshError::Parse { path: path.into(), format, what })
     }
 }

@@ -1,26 +1,33 @@
 //! Wavefront OBJ.
 
-use super::Parsed;
+use super::{Parsed, polygon};
 use crate::TriangleMesh;
 use glam::DVec3;
 
 pub(super) fn parse(bytes: &[u8]) -> Parsed {
-    let options = tobj::LoadOptions {
-        triangulate: true,
-        ignore_points: true,
-        ignore_lines: true,
-        ..tobj::LoadOptions::default()
-    };
+    let options =
+        tobj::LoadOptions { ignore_points: true, ignore_lines: true, ..tobj::LoadOptions::default() };
     // Materials say nothing about the shape: their files are not opened.
     let no_materials = |_: &std::path::Path| Ok(Default::default());
-    let (models, _) =
-        tobj::load_obj_buf(&mut &*bytes, &options, no_materials).map_err(|error| error.to_string())?;
+    // Names and comments in other encodings than UTF-8 do no harm.
+    let text = String::from_utf8_lossy(bytes);
+    let (models, _) = tobj::load_obj_buf(&mut text.as_bytes(), &options, no_materials)
+        .map_err(|error| error.to_string())?;
     let mut mesh = TriangleMesh::default();
     for model in models {
         let base = mesh.vertices.len() as u32;
         mesh.vertices.extend(model.mesh.positions.chunks_exact(3).map(DVec3::from_slice));
-        let faces = model.mesh.indices.chunks_exact(3);
-        mesh.triangles.extend(faces.map(|face| [base + face[0], base + face[1], base + face[2]]));
+        let indices: Vec<u32> = model.mesh.indices.iter().map(|index| base + index).collect();
+        let mut rest = &indices[..];
+        // No list of arities stands for triangles only.
+        if model.mesh.face_arities.is_empty() {
+            mesh.triangles.extend(indices.chunks_exact(3).map(|face| [face[0], face[1], face[2]]));
+        }
+        for arity in &model.mesh.face_arities {
+            let (face, others) = rest.split_at_checked(*arity as usize).ok_or("a face is cut off")?;
+            polygon::add(&mut mesh.triangles, &mesh.vertices, face);
+            rest = others;
+        }
     }
     Ok(mesh)
 }

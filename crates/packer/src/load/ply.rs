@@ -1,15 +1,23 @@
 //! PLY, ASCII and binary.
 
-use super::{Parsed, add_fan};
+use super::{Parsed, polygon};
 use crate::TriangleMesh;
 use glam::DVec3;
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
 
+/// Last line of the header.
+const END: &[u8] = b"end_header";
+
 pub(super) fn parse(bytes: &[u8]) -> Parsed {
-    let mut reader = Reader::new(bytes);
+    // Comments in other encodings than UTF-8 do no harm.
+    let mut readable = bytes.to_vec();
+    let header = bytes.windows(END.len()).position(|window| window == END).unwrap_or_default();
+    readable[..header].iter_mut().filter(|byte| !byte.is_ascii()).for_each(|byte| *byte = b'?');
+    let mut reader = Reader::new(&readable[..]);
     let header = Parser::<Skipped>::new().read_header(&mut reader).map_err(|error| error.to_string())?;
     let mut mesh = TriangleMesh::default();
+    let mut polygons = Vec::new();
     for definition in header.elements.values() {
         // A damaged count must not reserve memory for elements that the file cannot hold.
         if definition.count > bytes.len() {
@@ -30,7 +38,7 @@ pub(super) fn parse(bytes: &[u8]) -> Parsed {
                 let faces = Parser::<Face>::new()
                     .read_payload_for_element(&mut reader, definition, &header)
                     .map_err(|error| error.to_string())?;
-                faces.iter().for_each(|face| add_fan(&mut mesh.triangles, &face.0));
+                polygons.extend(faces);
             }
             _ => {
                 Parser::<Skipped>::new()
@@ -38,6 +46,9 @@ pub(super) fn parse(bytes: &[u8]) -> Parsed {
                     .map_err(|error| error.to_string())?;
             }
         }
+    }
+    for face in &polygons {
+        polygon::add(&mut mesh.triangles, &mesh.vertices, &face.0);
     }
     Ok(mesh)
 }

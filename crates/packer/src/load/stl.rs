@@ -25,15 +25,36 @@ pub(super) fn parse(bytes: &[u8]) -> Parsed {
 /// `stl_io` takes every file for ASCII that begins with `solid` and a blank, and none else. Some exporters
 /// write that word into binary headers, others leave out the name: the length tells binary files apart.
 fn normalise(bytes: &[u8]) -> Vec<u8> {
-    let mut out = bytes.to_vec();
     let is_binary = bytes.get(HEADER..HEADER + 4).is_some_and(|count| {
         let count = u32::from_le_bytes([count[0], count[1], count[2], count[3]]) as usize;
         bytes.len() == HEADER + 4 + count * RECORD
     });
     if is_binary {
+        let mut out = bytes.to_vec();
         out[..HEADER].fill(b' ');
-    } else if bytes.starts_with(b"solid") && !bytes.starts_with(b"solid ") {
-        out.insert(5, b' ');
+        out
+    } else if bytes.get(..5).is_some_and(|start| start.eq_ignore_ascii_case(b"solid")) {
+        one_solid(bytes)
+    } else {
+        bytes.to_vec()
+    }
+}
+
+/// All solids of an ASCII file as one without a name: `stl_io` reads the first only, and names may be in any
+/// encoding. A file that is cut off stays so.
+fn one_solid(bytes: &[u8]) -> Vec<u8> {
+    let mut out = b"solid \n".to_vec();
+    let mut is_complete = false;
+    for line in bytes.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii).filter(|line| !line.is_empty()) {
+        let line = line.to_ascii_lowercase();
+        is_complete = line.starts_with(b"endsolid");
+        if !is_complete && !line.starts_with(b"solid") {
+            out.extend(line);
+            out.push(b'\n');
+        }
+    }
+    if is_complete {
+        out.extend(b"endsolid \n");
     }
     out
 }

@@ -7,10 +7,12 @@
 //!
 //! Two departures. Files round coordinates, and a sliver that is folded over by rounding makes the surface
 //! cut itself, where the theorem no longer holds: on a gear of 11,840 triangles 2 of a million points came out
-//! with the wrong sign, and one ball with them. Faces at an edge folded by more than 150° are therefore marked
-//! as doubtful, and the caller counts crossings instead. And where two cones of faces touch in one vertex, each cone has its own pseudonormal, which
-//! is why they are stored per corner of a triangle and not per vertex.
+//! with the wrong sign, and one ball with them. Faces at an edge folded by more than 150°, faces too flat to have a
+//! normal, and faces that the caller names are therefore marked as doubtful, and the caller counts crossings
+//! instead. And where two cones of faces touch in one vertex, each cone has its own pseudonormal, which is why they
+//! are stored per corner of a triangle and not per vertex.
 
+use super::plane::TrianglePlane;
 use super::topology::Neighbours;
 use super::triangle::Feature;
 use crate::TriangleMesh;
@@ -21,16 +23,21 @@ pub(super) struct Pseudonormals {
     faces: Vec<DVec3>,
     edges: Vec<[DVec3; 3]>,
     corners: Vec<[DVec3; 3]>,
-    /// Whether a face lies at a folded edge; whether a corner's fan has such a face.
-    folded: Vec<(bool, [bool; 3])>,
-    has_folds: bool,
+    /// Whether a face is doubtful; whether a corner's fan has such a face.
+    doubtful: Vec<(bool, [bool; 3])>,
+    has_doubts: bool,
 }
 
 /// Cosine of the angle between neighbouring normals under which the edge may be a fold.
-const FOLD: f64 = -0.9;
+pub(super) const FOLD: f64 = -0.9;
 
 impl Pseudonormals {
-    pub(super) fn new(mesh: &TriangleMesh, neighbours: &Neighbours) -> Self {
+    /// Pseudonormals of a closed, oriented mesh; `is_doubtful` names faces that are not to be trusted.
+    pub(super) fn new(
+        mesh: &TriangleMesh,
+        neighbours: &Neighbours,
+        is_doubtful: impl Fn(usize) -> bool,
+    ) -> Self {
         let faces: Vec<DVec3> = (0..mesh.triangles.len())
             .map(|triangle| {
                 let [a, b, c] = mesh.corners(triangle);
@@ -43,10 +50,15 @@ impl Pseudonormals {
             .map(|(others, normal)| others.map(|other| *normal + faces[other as usize]))
             .collect();
         let mut corners = vec![[DVec3::ZERO; 3]; faces.len()];
-        let folded: Vec<bool> = neighbours
-            .iter()
-            .zip(&faces)
-            .map(|(others, normal)| others.iter().any(|other| normal.dot(faces[*other as usize]) <= FOLD))
+        let folds = |triangle: usize| {
+            neighbours[triangle].iter().any(|other| faces[triangle].dot(faces[*other as usize]) <= FOLD)
+        };
+        let folded: Vec<bool> = (0..faces.len())
+            .map(|triangle| {
+                is_doubtful(triangle)
+                    || TrianglePlane::new(&mesh.corners(triangle)).is_none()
+                    || folds(triangle)
+            })
             .collect();
         let mut doubtful = vec![[false; 3]; faces.len()];
         let mut seen = vec![[false; 3]; faces.len()];
@@ -64,20 +76,40 @@ impl Pseudonormals {
                 }
             }
         }
-        let has_folds = folded.contains(&true);
-        let folded = folded.into_iter().zip(doubtful).collect();
-        Self { faces, edges, corners, folded, has_folds }
+        let has_doubts = folded.contains(&true);
+        let doubtful = folded.into_iter().zip(doubtful).collect();
+        Self { faces, edges, corners, doubtful, has_doubts }
     }
 
-    /// Whether any face lies at a folded edge.
-    pub(super) fn has_folds(&self) -> bool {
-        self.has_folds
+    /// Those of a surface made of parts of this one. A part that is not the whole of its parent is doubtful.
+    pub(super) fn of_parts(&self, parents: &[u32], is_whole: &[bool]) -> Self {
+        let of = |parent: &u32| *parent as usize;
+        Self {
+            faces: parents.iter().map(|parent| self.faces[of(parent)]).collect(),
+            edges: parents.iter().map(|parent| self.edges[of(parent)]).collect(),
+            corners: parents.iter().map(|parent| self.corners[of(parent)]).collect(),
+            doubtful: parents
+                .iter()
+                .zip(is_whole)
+                .map(
+                    |(parent, is_whole)| {
+                        if *is_whole { self.doubtful[of(parent)] } else { (true, [true; 3]) }
+                    },
+                )
+                .collect(),
+            has_doubts: true,
+        }
+    }
+
+    /// Whether any face is doubtful.
+    pub(super) fn has_doubts(&self) -> bool {
+        self.has_doubts
     }
 
     /// Whether the pseudonormal of a feature cannot be trusted.
     #[inline]
     pub(super) fn is_doubtful(&self, triangle: u32, feature: Feature) -> bool {
-        let (face, corners) = self.folded[triangle as usize];
+        let (face, corners) = self.doubtful[triangle as usize];
         match feature {
             Feature::Face => face,
             // Both faces of an edge are in the fans of both its corners.

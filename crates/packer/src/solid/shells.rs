@@ -1,11 +1,13 @@
 //! Which way the shells of a closed surface face.
 //!
-//! A shell that lies inside an even number of others bounds material from outside, one that lies inside an
-//! odd number bounds a cavity. Orientation in the file is not asked: it is wrong too often.
+//! A shell that lies wholly inside an even number of others bounds material from outside, one that lies inside an
+//! odd number bounds a cavity. A shell that cuts another does not lie inside it: the two overlap, and their union
+//! is the solid. Orientation in the file is not asked: it is wrong too often.
 
 use super::topology::{Neighbours, turn};
 use crate::TriangleMesh;
 use glam::DVec3;
+use std::collections::HashSet;
 use std::f64::consts::PI;
 
 /// One connected part of the surface.
@@ -13,38 +15,46 @@ struct Shell {
     lower: DVec3,
     upper: DVec3,
     triangles: Vec<u32>,
-    /// A point of the shell: the centroid of its first face.
-    point: DVec3,
 }
+
+/// Pairs of shells that cut each other, the smaller number first.
+pub(super) type Overlaps = HashSet<[u32; 2]>;
+
+/// Points of a shell that are asked whether they lie inside another one.
+const PROBES: usize = 8;
 
 /// What [`face_outward`] found.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Outward {
-    /// Connected parts of the surface.
-    pub(super) shells: usize,
     /// Shells that bound a cavity.
     pub(super) cavities: usize,
-    /// Shells whose orientation was reversed.
-    pub(super) reversed: usize,
+    /// For each shell whether its orientation was reversed.
+    pub(super) is_reversed: Vec<bool>,
 }
 
-/// Orients every shell so that its normals leave the material. `shell_of` tells each triangle's shell.
+/// Orients every shell so that its normals leave the material. `shell_of` tells each triangle's shell. For s shells
+/// of n triangles whose boxes overlap, O(s·n).
 pub(super) fn face_outward(
     mesh: &mut TriangleMesh,
     neighbours: &mut Neighbours,
     shell_of: &[u32],
+    overlaps: &Overlaps,
 ) -> Outward {
     let shells = collect(mesh, shell_of);
-    let mut outward = Outward { shells: shells.len(), ..Outward::default() };
+    let mut outward = Outward::default();
     for (index, shell) in shells.iter().enumerate() {
-        let others = shells.iter().enumerate().filter(|(other, _)| *other != index);
-        let depth = others.filter(|(_, other)| encloses(mesh, other, shell.point)).count();
+        let around = |(other, candidate): &(usize, &Shell)| {
+            let (first, second) = (index.min(*other) as u32, index.max(*other) as u32);
+            first != second && !overlaps.contains(&[first, second]) && encloses(mesh, candidate, shell)
+        };
+        let depth = shells.iter().enumerate().filter(around).count();
         let is_cavity = depth % 2 == 1;
         outward.cavities += usize::from(is_cavity);
-        if (signed_volume(mesh, shell) < 0.0) != is_cavity {
+        let is_reversed = (signed_volume(mesh, shell) < 0.0) != is_cavity;
+        if is_reversed {
             shell.triangles.iter().for_each(|triangle| turn(mesh, neighbours, *triangle as usize));
-            outward.reversed += 1;
         }
+        outward.is_reversed.push(is_reversed);
     }
     outward
 }
@@ -54,8 +64,7 @@ fn collect(mesh: &TriangleMesh, shell_of: &[u32]) -> Vec<Shell> {
     for (triangle, shell) in shell_of.iter().enumerate() {
         let [a, b, c] = mesh.corners(triangle);
         if shells.len() <= *shell as usize {
-            let point = (a + b + c) / 3.0;
-            shells.push(Shell { lower: a, upper: a, triangles: Vec::new(), point });
+            shells.push(Shell { lower: a, upper: a, triangles: Vec::new() });
         }
         let shell = &mut shells[*shell as usize];
         shell.lower = shell.lower.min(a).min(b).min(c);
@@ -65,25 +74,37 @@ fn collect(mesh: &TriangleMesh, shell_of: &[u32]) -> Vec<Shell> {
     shells
 }
 
-/// Whether `point` lies inside `shell`, whichever way the shell faces: its winding number is not zero.
+/// Whether `inner`, which does not cut `outer`, lies inside it, whichever way they face. Where the two touch, a point
+/// is on the border of `outer` and tells nothing, so several are asked.
+fn encloses(mesh: &TriangleMesh, outer: &Shell, inner: &Shell) -> bool {
+    if inner.lower.cmplt(outer.lower).any() || inner.upper.cmpgt(outer.upper).any() {
+        return false;
+    }
+    let step = inner.triangles.len().div_ceil(PROBES);
+    let windings = inner.triangles.iter().step_by(step).map(|triangle| {
+        let [a, b, c] = mesh.corners(*triangle as usize);
+        winding_number(mesh, outer, (a + b + c) / 3.0).abs()
+    });
+    let (mut inside, mut outside) = (0, 0);
+    for winding in windings {
+        inside += usize::from(winding > 0.75);
+        outside += usize::from(winding < 0.25);
+    }
+    inside > outside
+}
+
+/// How often `shell` winds around `point`; half numbers on its faces.
 ///
 /// The solid angle of a triangle is that of A. van Oosterom and J. Strackee, *The solid angle of a plane
 /// triangle* (1983): `tan(Ω/2) = a·(b×c) / (abc + (a·b)c + (b·c)a + (c·a)b)`.
-fn encloses(mesh: &TriangleMesh, shell: &Shell, point: DVec3) -> bool {
-    if point.cmplt(shell.lower).any() || point.cmpgt(shell.upper).any() {
-        return false;
-    }
-    let angle: f64 = shell
-        .triangles
-        .iter()
-        .map(|triangle| {
-            let [a, b, c] = mesh.corners(*triangle as usize).map(|corner| corner - point);
-            let (la, lb, lc) = (a.length(), b.length(), c.length());
-            let below = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-            2.0 * a.dot(b.cross(c)).atan2(below)
-        })
-        .sum();
-    angle.abs() > 2.0 * PI
+fn winding_number(mesh: &TriangleMesh, shell: &Shell, point: DVec3) -> f64 {
+    let angle = |triangle: &u32| {
+        let [a, b, c] = mesh.corners(*triangle as usize).map(|corner| corner - point);
+        let (la, lb, lc) = (a.length(), b.length(), c.length());
+        let below = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+        2.0 * a.dot(b.cross(c)).atan2(below)
+    };
+    shell.triangles.iter().map(angle).sum::<f64>() / (4.0 * PI)
 }
 
 fn signed_volume(mesh: &TriangleMesh, shell: &Shell) -> f64 {

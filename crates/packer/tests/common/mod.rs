@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "each test file uses its part")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot build its mesh has failed")]
 
-use glam::DVec3;
+use glam::{DQuat, DVec2, DVec3};
 use packer::{Solid, TriangleMesh};
 use std::f64::consts::TAU;
 use std::path::PathBuf;
@@ -66,4 +66,67 @@ pub(crate) fn solids() -> Vec<(&'static str, Solid)> {
         ("box with cavity", box_with_cavity),
     ];
     meshes.into_iter().map(|(name, mesh)| (name, Solid::new(&mesh).unwrap())).collect()
+}
+
+/// The mesh turned about the origin and then moved.
+pub(crate) fn rotated(mesh: &TriangleMesh, turn: DQuat, place: DVec3) -> TriangleMesh {
+    let vertices = mesh.vertices.iter().map(|v| turn * *v + place).collect();
+    TriangleMesh { vertices, triangles: mesh.triangles.clone() }
+}
+
+/// The mesh in another size, about the origin.
+pub(crate) fn scaled(mesh: &TriangleMesh, scale: f64) -> TriangleMesh {
+    let vertices = mesh.vertices.iter().map(|v| *v * scale).collect();
+    TriangleMesh { vertices, triangles: mesh.triangles.clone() }
+}
+
+/// A sphere with waves of height `bump` on it, about the z axis; `seed` chooses them.
+pub(crate) fn bumpy_sphere(rings: u32, radius: f64, bump: f64, seed: u32) -> TriangleMesh {
+    let phase = |i: u32| f64::from(seed) * (1.7 + f64::from(i));
+    let point = |latitude: f64, longitude: f64| {
+        let direction =
+            DVec3::new(latitude.sin() * longitude.cos(), latitude.sin() * longitude.sin(), latitude.cos());
+        let waves = (0..3).map(|i| (4.0 * direction[i as usize] + phase(i)).sin()).sum::<f64>() / 3.0;
+        direction * (radius + bump * waves)
+    };
+    let sides = 2 * rings;
+    let mut mesh =
+        TriangleMesh { vertices: vec![point(0.0, 0.0), point(0.5 * TAU, 0.0)], triangles: Vec::new() };
+    for ring in 1..rings {
+        let latitude = 0.5 * TAU * f64::from(ring) / f64::from(rings);
+        mesh.vertices
+            .extend((0..sides).map(|side| point(latitude, TAU * f64::from(side) / f64::from(sides))));
+    }
+    let at = |ring: u32, side: u32| 2 + (ring - 1) * sides + side % sides;
+    for side in 0..sides {
+        mesh.triangles.push([0, at(1, side), at(1, side + 1)]);
+        mesh.triangles.push([1, at(rings - 1, side + 1), at(rings - 1, side)]);
+        for ring in 1..rings - 1 {
+            let (a, b) = (at(ring, side), at(ring, side + 1));
+            let (c, d) = (at(ring + 1, side + 1), at(ring + 1, side));
+            mesh.triangles.extend([[a, d, c], [a, c, b]]);
+        }
+    }
+    mesh
+}
+
+/// A prism over the closed `outline`, which may cross itself; its ends are fans around the mean of the corners.
+pub(crate) fn extruded(outline: &[DVec2], height: f64) -> TriangleMesh {
+    let count = outline.len() as u32;
+    let middle = outline.iter().sum::<DVec2>() / f64::from(count);
+    let points = || outline.iter().chain([&middle]);
+    let mut mesh = TriangleMesh::default();
+    mesh.vertices.extend(points().map(|p| p.extend(0.0)));
+    mesh.vertices.extend(points().map(|p| p.extend(height)));
+    let top = count + 1;
+    for i in 0..count {
+        let j = (i + 1) % count;
+        mesh.triangles.extend([
+            [i, j, j + top],
+            [i, j + top, i + top],
+            [j, i, count],
+            [i + top, j + top, count + top],
+        ]);
+    }
+    mesh
 }

@@ -1,9 +1,11 @@
 //! `packer check`.
 
+mod findings;
+
 use crate::output;
 use anyhow::Context;
-use packer::{Solid, TriangleMesh};
-use serde_json::json;
+use packer::{Diagnosis, Solid, TriangleMesh, diagnose};
+use serde_json::{Value, json};
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -17,68 +19,96 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let name = arguments.input.display();
-    let solid = TriangleMesh::load(&arguments.input)
-        .map_err(anyhow::Error::from)
-        .and_then(|mesh| Solid::new(&mesh).with_context(|| format!("{name} cannot be packed")));
+    let mesh = match TriangleMesh::load_unchecked(&arguments.input) {
+        Ok(mesh) => mesh,
+        Err(error) => {
+            let error = anyhow::Error::from(error);
+            if arguments.json {
+                output::print(json!({
+                    "input": name.to_string(),
+                    "packable": false,
+                    "error": output::message(&error),
+                }))?;
+            }
+            return Err(error);
+        }
+    };
+    let solid = Solid::new(&mesh).with_context(|| format!("{name} cannot be packed"));
+    let diagnosis = solid.as_ref().map_or_else(|_| diagnose(&mesh), |solid| solid.diagnosis().clone());
     if arguments.json {
-        let report = match &solid {
-            Ok(solid) => to_json(solid, arguments),
-            Err(error) => json!({
-                "input": name.to_string(),
-                "packable": false,
-                "error": output::message(error),
-            }),
-        };
+        let mut report = to_json(&diagnosis);
+        report["input"] = json!(name.to_string());
+        report["packable"] = json!(solid.is_ok());
+        match &solid {
+            Ok(solid) => report["centroid"] = json!(solid.properties().centroid.to_array()),
+            Err(error) => report["error"] = json!(output::message(error)),
+        }
         output::print(report)?;
-        return solid.map(drop);
+    } else {
+        let verdict = if solid.is_ok() { "can be packed" } else { "cannot be packed" };
+        output::print(format!("{name}: {verdict}\n{}", summary(&diagnosis)))?;
+        if let Ok(solid) = &solid {
+            output::print(format!("centroid {}", solid.properties().centroid))?;
+        }
     }
-    output::print(summary(&solid?, arguments))
+    solid.map(drop)
 }
 
-fn summary(solid: &Solid, arguments: &Arguments) -> String {
-    let (d, properties) = (solid.diagnosis(), solid.properties());
-    let (lower, upper) = solid.bounds();
-    let mut lines = vec![
-        format!("{}: closed, can be packed", arguments.input.display()),
-        format!(
-            "{} triangles, {} vertices, {} shells, {} cavities",
-            d.triangles, d.vertices, d.shells, d.cavities
-        ),
-        format!("volume {:.6e}, centroid {}", properties.volume, properties.centroid),
-        format!("box from {lower} to {upper}"),
-    ];
-    let mended = [
-        (d.merged_vertices, "coincident vertices merged"),
-        (d.degenerate_faces, "degenerate faces dropped"),
-        (d.duplicate_faces, "duplicate faces dropped"),
-        (d.turned_faces, "faces turned to agree with their neighbours"),
-        (d.reversed_shells, "shells turned inside out"),
-    ];
-    lines.extend(
-        mended.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("mended: {count} {what}")),
-    );
+fn summary(d: &Diagnosis) -> String {
+    let mut lines = vec![format!(
+        "{} triangles, {} vertices, {} shells, {} cavities",
+        d.triangles, d.vertices, d.shells, d.cavities
+    )];
+    lines.extend(d.volume.map(|volume| format!("volume {volume:.6e}")));
+    if d.overlap_volume > 1e-6 * d.volume.unwrap_or_default() {
+        lines.push(format!("the shells enclose {:.6e} more than once", d.overlap_volume));
+    }
+    lines.extend(d.bounds.map(|(lower, upper)| format!("box from {lower} to {upper}")));
+    for finding in findings::of(d) {
+        lines.push(format!("{}: {} {}", finding.severity, finding.count, finding.what));
+        lines.extend(finding.places.iter().take(3).map(|place| format!("    at {place}")));
+        lines.extend(finding.remedy.map(|remedy| format!("    {remedy}")));
+    }
     lines.join("\n")
 }
 
-fn to_json(solid: &Solid, arguments: &Arguments) -> serde_json::Value {
-    let (d, properties) = (solid.diagnosis(), solid.properties());
-    let (lower, upper) = solid.bounds();
+fn to_json(d: &Diagnosis) -> Value {
+    let findings: Vec<Value> = findings::of(d)
+        .into_iter()
+        .map(|finding| {
+            json!({
+                "kind": finding.kind,
+                "severity": finding.severity.to_string(),
+                "count": finding.count,
+                "what": finding.what,
+                "places": finding.places.iter().map(findings::Place::to_json).collect::<Vec<_>>(),
+                "remedy": finding.remedy,
+            })
+        })
+        .collect();
     json!({
-        "input": arguments.input.display().to_string(),
-        "packable": true,
         "triangles": d.triangles,
         "vertices": d.vertices,
         "shells": d.shells,
         "cavities": d.cavities,
-        "volume": properties.volume,
-        "centroid": properties.centroid.to_array(),
-        "bounds": [lower.to_array(), upper.to_array()],
+        "holes": d.holes,
+        "volume": d.volume,
+        "overlap_volume": d.overlap_volume,
+        "bounds": d.bounds.map(|(lower, upper)| [lower.to_array(), upper.to_array()]),
+        "resolution": d.resolution,
+        "input_triangles": d.input_triangles,
+        "input_vertices": d.input_vertices,
         "mended": {
+            "unused_vertices": d.unused_vertices,
             "merged_vertices": d.merged_vertices,
             "degenerate_faces": d.degenerate_faces,
             "duplicate_faces": d.duplicate_faces,
+            "paired_faces": d.paired_faces,
             "turned_faces": d.turned_faces,
             "reversed_shells": d.reversed_shells,
+            "hidden_faces": d.hidden_faces,
+            "cut_faces": d.cut_faces,
         },
+        "findings": findings,
     })
 }

@@ -107,7 +107,7 @@ fn binary_tree(triangles: &mut [Leaf]) -> Vec<Node> {
 }
 
 impl Leaf {
-    fn bounds(&self) -> Bounds {
+    pub(super) fn bounds(&self) -> Bounds {
         let [a, b, c] = self.corners;
         Bounds { lower: a.min(b).min(c), upper: a.max(b).max(c) }
     }

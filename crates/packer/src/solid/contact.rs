@@ -1,0 +1,101 @@
+//! How two triangles meet.
+//!
+//! T. Möller, *A fast triangle-triangle intersection test* (1997): each triangle meets the plane of the other in
+//! a segment of the planes' common line. On which side a corner lies is decided by an exact predicate (J. R.
+//! Shewchuk, *Adaptive precision floating-point arithmetic and fast robust geometric predicates*, 1997), so that
+//! the corners that neighbours share lie on each other's plane and not beside it.
+
+use super::plane::{TrianglePlane, clip};
+use glam::{DVec2, DVec3};
+use robust::{Coord3D, orient3d};
+
+/// A corner nearer to a plane than this share of the size of the mesh lies on it. Rotating a mesh moves its
+/// corners by 1e-16 of their coordinates: faces that were flush remain so, even ten thousand sizes from the origin.
+const ON_PLANE: f64 = 1e-11;
+
+/// Segments in the coordinates of one triangle's plane.
+pub(super) type Cuts = Vec<[DVec2; 2]>;
+
+/// How two triangles meet.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Contact {
+    /// Where the second one runs through the inside of the first, in the first one's coordinates; and the reverse.
+    pub(super) cuts: [Cuts; 2],
+    pub(super) kind: Kind,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// They have no more than border points in common, or one ends at the other.
+    #[default]
+    Touch,
+    /// They pass through each other; here is a point of both.
+    Cross,
+    /// They lie in one plane and cover each other in part.
+    Cover,
+}
+
+/// How triangles `a` and `b` of a mesh of the given size meet, if more than border points are common.
+pub(super) fn contact(a: &[DVec3; 3], b: &[DVec3; 3], size: f64) -> Option<Contact> {
+    let sides_of_b = sides(b, a, size);
+    if sides_of_b.iter().all(|side| *side > 0.0) || sides_of_b.iter().all(|side| *side < 0.0) {
+        return None;
+    }
+    let sides_of_a = sides(a, b, size);
+    if sides_of_a.iter().all(|side| *side > 0.0) || sides_of_a.iter().all(|side| *side < 0.0) {
+        return None;
+    }
+    let (plane_a, plane_b) = (TrianglePlane::new(a)?, TrianglePlane::new(b)?);
+    let is_flush = |sides: &[f64; 3]| sides.iter().all(|side| *side == 0.0);
+    if is_flush(&sides_of_a) || is_flush(&sides_of_b) {
+        let cuts = [borders(b, &plane_a), borders(a, &plane_b)];
+        return (!cuts[0].is_empty() || !cuts[1].is_empty()).then_some(Contact { cuts, kind: Kind::Cover });
+    }
+    let cut = |triangle, sides, plane: &TrianglePlane| -> Cuts {
+        section(triangle, sides)
+            .and_then(|ends| clip(ends.map(|end| plane.project(end))))
+            .into_iter()
+            .collect()
+    };
+    let cuts = [cut(b, &sides_of_b, &plane_a), cut(a, &sides_of_a, &plane_b)];
+    if cuts[0].is_empty() && cuts[1].is_empty() {
+        return None;
+    }
+    let straddles = |sides: &[f64; 3]| sides.iter().any(|s| *s > 0.0) && sides.iter().any(|s| *s < 0.0);
+    let crosses = straddles(&sides_of_a) && straddles(&sides_of_b);
+    Some(Contact { cuts, kind: if crosses { Kind::Cross } else { Kind::Touch } })
+}
+
+/// Signed distances of the corners of `triangle` from the plane of `of`, all multiplied by the same number; zero
+/// for those on it.
+fn sides(triangle: &[DVec3; 3], of: &[DVec3; 3], size: f64) -> [f64; 3] {
+    let [a, b, c] = of.map(coordinates);
+    let doubled_area = (of[1] - of[0]).cross(of[2] - of[0]).length();
+    triangle.map(|corner| {
+        // Known, but what the predicate takes longest for.
+        if of.contains(&corner) {
+            return 0.0;
+        }
+        let side = orient3d(a, b, c, coordinates(corner));
+        if side.abs() <= ON_PLANE * size * doubled_area { 0.0 } else { side }
+    })
+}
+
+fn coordinates(p: DVec3) -> Coord3D<f64> {
+    Coord3D { x: p.x, y: p.y, z: p.z }
+}
+
+/// Where `triangle` meets a plane on whose `sides` its corners lie.
+fn section(triangle: &[DVec3; 3], sides: &[f64; 3]) -> Option<[DVec3; 2]> {
+    let corners = (0..3).filter(|i| sides[*i] == 0.0).map(|i| triangle[i]);
+    let crossed = (0..3).map(|i| (i, (i + 1) % 3)).filter(|(i, j)| sides[*i] * sides[*j] < 0.0);
+    let mut points =
+        corners.chain(crossed.map(|(i, j)| triangle[i].lerp(triangle[j], sides[i] / (sides[i] - sides[j]))));
+    Some([points.next()?, points.next()?])
+}
+
+/// Borders of `triangle` where they run through the inside of another one in the same plane.
+fn borders(triangle: &[DVec3; 3], plane: &TrianglePlane) -> Cuts {
+    let at = triangle.map(|corner| plane.project(corner));
+    (0..3).filter_map(|i| clip([at[i], at[(i + 1) % 3]])).collect()
+}
