@@ -91,7 +91,16 @@ impl Cell {
         }
     }
 
-    fn children(&self) -> impl Iterator<Item = Self> + '_ {
+    /// How often the cell is divided until its parts are leaves for balls of `radius`.
+    pub(super) fn levels(&self, radius: f64) -> u32 {
+        let (mut levels, mut size) = (0, self.half_diagonal());
+        while size > LEAF * radius && levels < 64 {
+            (levels, size) = (levels + 1, 0.5 * size);
+        }
+        levels
+    }
+
+    pub(super) fn children(&self) -> impl Iterator<Item = Self> + '_ {
         let half = 0.5 * self.half;
         let offset = 0.5 * self.half_diagonal();
         let [lower, upper] = self.surface;

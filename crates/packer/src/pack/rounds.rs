@@ -25,6 +25,10 @@ pub(super) const FALL: f64 = 0.9;
 const ROOT_CELLS: f64 = 12.0;
 /// Cells that one task visits; small enough to share out the work of the first rounds.
 const CHUNK: usize = 32;
+/// Leaves that a pass looks at. Bodies have fewer in the rounds that matter for their shape.
+const PASS: usize = 1 << 18;
+/// Levels of a cell that are refined as one task.
+const LEVELS: u32 = 4;
 
 /// Places balls until `wanted` says stop; it is asked before each ball with the next one.
 pub(super) fn place(solid: &Solid, smallest: f64, wanted: impl FnMut(&Ball) -> bool) -> BallGrid {
@@ -33,11 +37,12 @@ pub(super) fn place(solid: &Solid, smallest: f64, wanted: impl FnMut(&Ball) -> b
     let Some(largest) = roots.iter().map(Cell::bound).max_by(f64::total_cmp) else { return placing.balls };
     let mut seeds = seeds::find(&placing.field());
     let mut buckets = Buckets::new(largest);
+    // Rounds above the largest seed would search everything for nothing: what is larger comes first in the next one.
+    let mut round = seeds.first().map_or(0, |seed| buckets.round_of(seed.radius));
     for root in roots {
         let bound = root.bound();
-        buckets.add(root, bound, 0);
+        buckets.add(root, bound, round);
     }
-    let mut round = 0;
     while buckets.radii[round] >= smallest {
         buckets.extend(round + 1);
         let of_seeds = (seeds::SHARE * buckets.radii[round]).max(smallest);
@@ -93,32 +98,65 @@ impl<W: FnMut(&Ball) -> bool> Placing<'_, W> {
     }
 
     /// Places the balls of at least `radius` that the cells of one round propose.
+    ///
+    /// A pass looks at a part of them, depth first, so that the first balls of a solid with more places than anyone
+    /// asks for, such as a thin plate, do not wait for all the others.
     fn place_from_cells(&mut self, buckets: &mut Buckets, round: usize, smallest: f64) -> ControlFlow<()> {
-        let mut active = std::mem::take(&mut buckets.cells[round]);
         let radius = buckets.radii[round + 1].max(smallest);
-        while !active.is_empty() {
-            let visited = visit_all(&active, radius, &self.field());
-            active.clear();
-            let mut balls = Vec::new();
-            for (visit, proposed) in visited {
-                for (cell, bound) in visit.later {
-                    if bound >= smallest {
-                        buckets.add(cell, bound, round + 1);
-                    }
-                }
+        // A stack: the first cell is on top.
+        let mut open = std::mem::take(&mut buckets.cells[round]);
+        open.reverse();
+        while !open.is_empty() {
+            let mut later = Vec::new();
+            let pass = self.next_pass(&mut open, radius, &mut later);
+            let (mut balls, mut again) = (Vec::new(), Vec::new());
+            for (visit, proposed) in visit_all(&pass, radius, &self.field()) {
+                later.extend(visit.later);
                 for (cell, ball) in visit.proposals.into_iter().zip(proposed) {
                     match ball {
                         Some(ball) if ball.radius >= radius => {
                             balls.push(ball);
-                            active.push(cell);
+                            again.push(cell);
                         }
-                        _ => buckets.add(cell, radius, round + 1),
+                        _ => later.push((cell, radius)),
                     }
                 }
             }
+            for (cell, bound) in later {
+                if bound >= smallest {
+                    buckets.add(cell, bound, round + 1);
+                }
+            }
+            open.extend(again.into_iter().rev());
             self.accept(balls, radius)?;
         }
         ControlFlow::Continue(())
+    }
+
+    /// Takes the cells of the next pass from the top of `open`; large ones are divided, and those parts that hold no
+    /// ball of this round go to `later`.
+    fn next_pass(&self, open: &mut Vec<Cell>, radius: f64, later: &mut Vec<(Cell, f64)>) -> Vec<Cell> {
+        let field = self.field();
+        let (mut pass, mut work) = (Vec::new(), 0);
+        while work < PASS
+            && let Some(mut cell) = open.pop()
+        {
+            if cell.levels(radius) <= LEVELS {
+                work += 1 << (3 * cell.levels(radius));
+                pass.push(cell);
+                continue;
+            }
+            cell.update(&field);
+            let bound = cell.bound();
+            if bound >= radius {
+                let first = open.len();
+                open.extend(cell.children());
+                open[first..].reverse();
+            } else if bound > 0.0 {
+                later.push((cell, bound));
+            }
+        }
+        pass
     }
 
     /// Places those of `proposals`, of at least `radius`, that do not meet an earlier one; see [`super::plateau`]
@@ -216,13 +254,18 @@ impl Buckets {
         }
     }
 
-    /// Files `cell` under `bound`, but not before round `earliest`.
-    fn add(&mut self, cell: Cell, bound: f64, earliest: usize) {
+    /// The round that holds `bound`, at most the largest: round k has bounds in (radii[k + 1], radii[k]].
+    fn round_of(&mut self, bound: f64) -> usize {
         while self.radii[self.radii.len() - 1] > bound {
             self.extend(self.radii.len());
         }
-        // Bucket k holds bounds in (radii[k + 1], radii[k]].
-        let bucket = self.radii.partition_point(|radius| *radius >= bound) - 1;
-        self.cells[bucket.max(earliest)].push(cell);
+        self.radii.partition_point(|radius| *radius >= bound).saturating_sub(1)
+    }
+
+    /// Files `cell` under `bound`, but not before round `earliest`.
+    fn add(&mut self, cell: Cell, bound: f64, earliest: usize) {
+        let round = self.round_of(bound).max(earliest);
+        self.extend(round);
+        self.cells[round].push(cell);
     }
 }
