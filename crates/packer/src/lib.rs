@@ -23,6 +23,7 @@
 //!
 //! # Features
 //! - `cli` (default): the program `packer`. Libraries that pack at load time turn it off.
+//! - `serde-serialize`: [`PackReport`] and all in it implement serde's `Serialize`; part of `cli`.
 
 mod error;
 mod load;
@@ -32,5 +33,8 @@ mod solid;
 
 pub use error::MeshError;
 pub use mesh::TriangleMesh;
-pub use pack::{PackError, PackOptions, PackReport, Packed, Progress, StopReason, pack, pack_with_progress};
+pub use pack::{
+    LargestGap, MassError, PackError, PackOptions, PackReport, Packed, Progress, Quality, RadiusBin, Stage,
+    StopReason, StopSignal, SurfaceGap, pack, pack_interruptible, pack_with_progress,
+};
 pub use solid::{Diagnosis, Solid, SurfacePoint};

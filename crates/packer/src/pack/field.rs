@@ -5,6 +5,7 @@
 
 use super::ascent::{self, Plane};
 use super::ball_grid::{Ball, BallGrid};
+use super::stop_signal::Watch;
 use crate::Solid;
 use crate::solid::closest_point_of_triangle;
 use glam::DVec3;
@@ -14,6 +15,8 @@ use glam::DVec3;
 pub(super) struct Field<'a> {
     pub(super) solid: &'a Solid,
     pub(super) balls: &'a BallGrid,
+    /// Ends long searches early.
+    pub(super) watch: &'a Watch<'a>,
 }
 
 /// A place for a ball.

@@ -2,15 +2,19 @@
 
 use super::PackError;
 use std::fmt;
+use std::time::Duration;
 
 /// When a packing is done, and how finely its power cells are measured.
 ///
-/// Start from a preset and change what matters; the first stop that is reached ends the packing.
+/// Start from a preset and change what matters; the first stop that is reached ends the packing, and
+/// [`PackReport::stop`](crate::PackReport::stop) names it. Whatever ends it, the packing is the beginning of one and
+/// the same sequence of balls.
 ///
 /// ```
 /// use packer::PackOptions;
+/// use std::time::Duration;
 ///
-/// let options = PackOptions::balanced().spheres(2_000).coverage(0.8);
+/// let options = PackOptions::balanced().spheres(2_000).coverage(0.8).time_limit(Duration::from_secs(10));
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct PackOptions {
@@ -20,8 +24,16 @@ pub struct PackOptions {
     pub coverage: Option<f64>,
     /// Place no ball of a radius below this (m).
     pub min_radius: Option<f64>,
+    /// Stop once the volume balls put no more than this share of the volume in the wrong place, in (0, 1):
+    /// [`Quality::volume_error`](crate::Quality::volume_error).
+    pub volume_error: Option<f64>,
+    /// Stop early enough that the whole call, with power cells and report, takes about this long.
+    pub time_limit: Option<Duration>,
     /// Sample points in the gaps between the balls that measure the power cells.
     pub samples_per_sphere: usize,
+    /// Whether the report has a [`Quality`](crate::Quality); without it small packings are ready sooner. The
+    /// packing does not depend on it.
+    pub measure_quality: bool,
     /// Name of the mesh, for the provenance of the packing.
     pub source: String,
 }
@@ -30,7 +42,16 @@ impl PackOptions {
     /// 300 spheres: a body among many, or a first look.
     #[must_use]
     pub fn fast() -> Self {
-        Self { spheres: 300, coverage: None, min_radius: None, samples_per_sphere: 64, source: String::new() }
+        Self {
+            spheres: 300,
+            coverage: None,
+            min_radius: None,
+            volume_error: None,
+            time_limit: None,
+            samples_per_sphere: 64,
+            measure_quality: true,
+            source: String::new(),
+        }
     }
 
     /// 1,000 spheres: overlap volumes to a few per cent; the default.
@@ -66,6 +87,37 @@ impl PackOptions {
         self
     }
 
+    /// Stops once the volume balls put no more than `share` of the volume in the wrong place, in (0, 1): the bound
+    /// of the error of an overlap volume that [`Quality::volume_error`](crate::Quality::volume_error) is.
+    ///
+    /// It is measured at the counts 2^(k/2), as it takes power cells, and then the range between the last two is
+    /// halved three times: it is met with at most 7 % more balls than necessary, as far as it falls with each ball.
+    /// The search takes two to four times the time of asking for the count itself.
+    #[must_use]
+    pub fn volume_error(mut self, share: f64) -> Self {
+        self.volume_error = Some(share);
+        self
+    }
+
+    /// Stops placing early enough that the whole call takes about `limit`.
+    ///
+    /// Power cells are tried out with few samples on the way, and time for all of them is set aside. The balls are
+    /// those that a request for the same count gives; their number depends on the machine. The first ball takes
+    /// the search for seeds (tenths of a second) and fewest cells some more: a shorter limit is overrun by that, or
+    /// ends in [`PackError::NothingInTime`]. Otherwise the overrun is a few per cent.
+    #[must_use]
+    pub fn time_limit(mut self, limit: Duration) -> Self {
+        self.time_limit = Some(limit);
+        self
+    }
+
+    /// Sets whether the report has a [`Quality`](crate::Quality).
+    #[must_use]
+    pub fn measure_quality(mut self, measure: bool) -> Self {
+        self.measure_quality = measure;
+        self
+    }
+
     /// Names the mesh in the provenance of the packing.
     #[must_use]
     pub fn source(mut self, name: impl Into<String>) -> Self {
@@ -86,6 +138,11 @@ impl PackOptions {
         {
             return Err(PackError::CoverageOutOfRange { coverage });
         }
+        if let Some(error) = self.volume_error
+            && !(error > 0.0 && error < 1.0)
+        {
+            return Err(PackError::VolumeErrorOutOfRange { error });
+        }
         if let Some(radius) = self.min_radius
             && !(radius >= 0.0 && radius.is_finite())
         {
@@ -101,7 +158,8 @@ impl Default for PackOptions {
     }
 }
 
-/// The options as one line, as it stands in a packing's provenance.
+/// The options as one line, as it stands in a packing's provenance: all that the packing depends on but the mesh,
+/// and nothing else. Equal lines mean equal packings, unless a time limit is among them.
 impl fmt::Display for PackOptions {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "spheres={}", self.spheres)?;
@@ -110,6 +168,13 @@ impl fmt::Display for PackOptions {
         }
         if let Some(radius) = self.min_radius {
             write!(f, " min_radius={radius}")?;
+        }
+        if let Some(error) = self.volume_error {
+            write!(f, " volume_error={error}")?;
+        }
+        if let Some(limit) = self.time_limit {
+            // Debug prints all digits, with their unit.
+            write!(f, " time_limit={limit:?}")?;
         }
         write!(f, " samples_per_sphere={}", self.samples_per_sphere)
     }

@@ -11,6 +11,7 @@
 
 use super::ball_grid::Ball;
 use super::noise::Noise;
+use super::stop_signal::Watch;
 use crate::Solid;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -20,12 +21,13 @@ const TASK_LEVEL: u32 = 3;
 /// Most doublings of the lattice.
 const FINEST: u32 = 12;
 
-/// Volumes of the cells of `balls`, summing to the volume of `solid`, for about `samples` gap samples.
-pub(super) fn volumes(solid: &Solid, balls: &[Ball], samples: usize) -> Vec<f64> {
+/// Volumes of the cells of `balls`, summing to the volume of `solid`, for about `samples` gap samples. Once `watch`
+/// is cancelled they are worth nothing.
+pub(super) fn volumes(solid: &Solid, balls: &[Ball], samples: usize, watch: &Watch) -> Vec<f64> {
     let own: Vec<f64> = balls.iter().map(Ball::volume).collect();
     let total = solid.properties().volume;
     let gap = (total - own.iter().sum::<f64>()).max(0.0);
-    let counts = count_samples(solid, balls, gap / samples.max(1) as f64);
+    let counts = count_samples(&Sampler { solid, balls, watch }, gap / samples.max(1) as f64);
     let sum: u64 = counts.iter().sum();
     if sum == 0 {
         // No sample met a gap: share by size.
@@ -35,7 +37,8 @@ pub(super) fn volumes(solid: &Solid, balls: &[Ball], samples: usize) -> Vec<f64>
     own.iter().zip(&counts).map(|(volume, count)| volume + gap * (*count as f64 / sum as f64)).collect()
 }
 
-fn count_samples(solid: &Solid, balls: &[Ball], volume_per_sample: f64) -> Vec<u64> {
+fn count_samples(sampler: &Sampler, volume_per_sample: f64) -> Vec<u64> {
+    let Sampler { solid, balls, .. } = sampler;
     let (lower, upper) = solid.bounds();
     let side = (upper - lower).max_element() * (1.0 + 1e-9);
     // The finest lattice bounds the work where balls leave next to no gap.
@@ -47,7 +50,6 @@ fn count_samples(solid: &Solid, balls: &[Ball], volume_per_sample: f64) -> Vec<u
     let side = spacing * f64::from(1_u32 << depth);
     let root = Box { center: 0.5 * (lower + upper), half: 0.5 * side, depth, key: 0 };
     let all: Vec<u32> = (0..balls.len() as u32).collect();
-    let sampler = Sampler { solid, balls };
     let mut tasks = vec![(root, all)];
     for _ in 0..TASK_LEVEL {
         tasks = tasks
@@ -130,6 +132,7 @@ enum Place {
 struct Sampler<'a> {
     solid: &'a Solid,
     balls: &'a [Ball],
+    watch: &'a Watch<'a>,
 }
 
 impl Sampler<'_> {
@@ -167,6 +170,9 @@ impl Sampler<'_> {
     /// Adds the ball of every gap sample in `within` to `hits`; `place` tells what is known of the box.
     fn descend(&self, within: &Box, list: &[u32], mut place: Place, hits: &mut Vec<u32>) {
         let reach = within.half_diagonal();
+        if within.depth > 1 && self.watch.is_cancelled() {
+            return;
+        }
         if within.depth == 0 {
             let p = within.sample();
             let (ball, power) = self.nearest(p, list);

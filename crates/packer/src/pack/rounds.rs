@@ -12,6 +12,7 @@ use super::ball_grid::{Ball, BallGrid};
 use super::cells::{Cell, Visit, visit};
 use super::field::{Candidate, Field, Scratch};
 use super::seeds;
+use super::stop_signal::Watch;
 use crate::Solid;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -25,9 +26,15 @@ const ROOT_CELLS: f64 = 12.0;
 /// Cells that one task visits; small enough to share out the work of the first rounds.
 const CHUNK: usize = 32;
 
-/// Places balls until `wanted` says stop; it is asked before each ball with the next one.
-pub(super) fn place(solid: &Solid, smallest: f64, wanted: impl FnMut(&Ball) -> bool) -> BallGrid {
-    let mut placing = Placing { solid, balls: BallGrid::default(), wanted };
+/// Places balls until `wanted` says stop, which is asked before each ball with the next one, or until `watch` is
+/// over. A pass that it cuts short places nothing, so that the balls are still a beginning of the same sequence.
+pub(super) fn place(
+    solid: &Solid,
+    smallest: f64,
+    watch: &Watch,
+    wanted: impl FnMut(&Ball) -> bool,
+) -> BallGrid {
+    let mut placing = Placing { solid, balls: BallGrid::default(), watch, wanted };
     let roots = roots(&placing.field());
     let Some(largest) = roots.iter().map(Cell::bound).max_by(f64::total_cmp) else { return placing.balls };
     let mut seeds = seeds::find(&placing.field());
@@ -54,12 +61,13 @@ pub(super) fn place(solid: &Solid, smallest: f64, wanted: impl FnMut(&Ball) -> b
 struct Placing<'a, W> {
     solid: &'a Solid,
     balls: BallGrid,
+    watch: &'a Watch<'a>,
     wanted: W,
 }
 
 impl<W: FnMut(&Ball) -> bool> Placing<'_, W> {
     fn field(&self) -> Field<'_> {
-        Field { solid: self.solid, balls: &self.balls }
+        Field { solid: self.solid, balls: &self.balls, watch: self.watch }
     }
 
     /// Places the balls of at least `radius` that the seeds propose.
@@ -84,7 +92,7 @@ impl<W: FnMut(&Ball) -> bool> Placing<'_, W> {
             }
             seeds.extend(rest);
             seeds.sort_by(|a, b| b.radius.total_cmp(&a.radius));
-            if balls.is_empty() {
+            if balls.is_empty() && !self.watch.is_over() {
                 return ControlFlow::Continue(());
             }
             self.accept(balls)?;
@@ -122,6 +130,9 @@ impl<W: FnMut(&Ball) -> bool> Placing<'_, W> {
 
     /// Places those of `balls` that do not meet a larger or an earlier one.
     fn accept(&mut self, mut balls: Vec<Ball>) -> ControlFlow<()> {
+        if self.watch.is_over() {
+            return ControlFlow::Break(());
+        }
         // The sort is stable: of equals the first comes first.
         balls.sort_by(|a, b| b.radius.total_cmp(&a.radius));
         for ball in balls {
@@ -143,6 +154,9 @@ fn visit_all(cells: &[Cell], radius: f64, field: &Field) -> Vec<(Visit, Vec<Opti
         .map_init(Scratch::default, |scratch, chunk| {
             let mut out = Visit::default();
             for cell in chunk {
+                if field.watch.is_over() {
+                    break;
+                }
                 visit(cell.clone(), radius, field, scratch, &mut out);
             }
             let ball = |cell: &Cell| cell.candidate().and_then(|candidate| export(candidate, field));

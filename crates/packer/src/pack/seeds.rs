@@ -93,7 +93,7 @@ fn inner_poles(field: &Field) -> Vec<DVec3> {
 /// Climbs on from `at`, whose clearance is its radius.
 fn climb(mut at: Candidate, field: &Field, scratch: &mut Scratch) -> Option<Candidate> {
     for _ in 0..CLIMBS {
-        if at.radius <= 0.0 {
+        if at.radius <= 0.0 || field.watch.is_over() {
             return None;
         }
         at = field.ascend(at.center, at.radius, at.radius, scratch);
