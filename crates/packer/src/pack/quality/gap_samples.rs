@@ -1,7 +1,7 @@
 //! Points spread evenly over the gaps: the part of the solid that no inner ball fills.
 //!
 //! Cubes are refined level by level; those wholly outside the solid or wholly in one ball are dropped, until
-//! enough are left. All have the same volume, so the same number of random points in each, less those that are
+//! enough are left; of more, a random part is refined further. All have the same volume, so the same number of random points in each, less those that are
 //! in no gap, is a uniform sample of the gaps, even in a rod that fills a millionth of its bounding box.
 
 use super::ball_tree::BallTree;
@@ -13,9 +13,12 @@ use std::ops::Range;
 
 /// Cubes are refined until there are this many; the next level may have up to eight times as many.
 const CUBES: usize = 4_000;
+/// They are refined further, a random part of them, while fewer than one in this many random points of them lies in
+/// a gap, as in a needle or among many small balls.
+const LEAST_YIELD: usize = 16;
 /// Points wanted in gaps: shares of the gaps then have a standard error of half a per cent of the gaps.
 const WANTED: usize = 8_000;
-/// Points drawn at most from each cube, however few lie in gaps.
+/// Most points drawn from each cube.
 const MOST_DRAWN: usize = 32;
 /// Most halvings; cubes as small as this are a thousandth of the thinnest plate that is accepted.
 const FINEST: u32 = 24;
@@ -34,21 +37,33 @@ pub(super) fn draw(solid: &Solid, balls: &BallTree) -> Vec<GapSample> {
     let half = 0.5 * (upper - lower).max_element();
     let root = Cube { center: 0.5 * (lower + upper), half, surface: Surface::Within(f64::INFINITY) };
     let gaps = Gaps { solid, balls };
-    let mut cubes = vec![root];
-    for _ in 0..FINEST {
-        if cubes.len() >= CUBES || cubes.is_empty() {
+    let (mut cubes, mut first) = (vec![root], Vec::new());
+    for level in 0..FINEST {
+        cubes = gaps.refine(&thin_out(cubes, level));
+        if cubes.len() < CUBES {
+            continue;
+        }
+        first = gaps.draw(&cubes, 0..1);
+        if first.len() * LEAST_YIELD >= cubes.len() {
             break;
         }
-        cubes = cubes
-            .par_iter()
-            .with_min_len(16)
-            .flat_map_iter(|cube| cube.children().filter_map(|child| gaps.keep(child)))
-            .collect();
     }
-    let first = gaps.draw(&cubes, 0..1);
     let more = (WANTED.div_ceil(first.len().max(1)) - 1).min(MOST_DRAWN - 1);
     let rest = gaps.draw(&cubes, 1..1 + more);
     first.into_iter().chain(rest).collect()
+}
+
+/// Random cubes, if there are more than the wanted number: one of each run of neighbours, so that all parts keep
+/// their share.
+fn thin_out(cubes: Vec<Cube>, level: u32) -> Vec<Cube> {
+    if cubes.len() <= CUBES {
+        return cubes;
+    }
+    let mut noise = Noise::new(!u64::from(level));
+    let width = cubes.len() as f64 / CUBES as f64;
+    (0..CUBES)
+        .map(|run| cubes[(((run as f64 + noise.uniform()) * width) as usize).min(cubes.len() - 1)])
+        .collect()
 }
 
 /// Where the surface is, seen from a cube.
@@ -94,8 +109,16 @@ struct Gaps<'a> {
 }
 
 impl Gaps<'_> {
+    fn refine(self, cubes: &[Cube]) -> Vec<Cube> {
+        cubes
+            .par_iter()
+            .with_min_len(16)
+            .flat_map_iter(|cube| cube.children().filter_map(move |child| self.keep(child)))
+            .collect()
+    }
+
     /// The cube, unless it is wholly in one ball or wholly outside.
-    fn keep(&self, mut cube: Cube) -> Option<Cube> {
+    fn keep(self, mut cube: Cube) -> Option<Cube> {
         let reach = cube.half_diagonal();
         // Farther balls say nothing.
         if self.balls.distance(cube.center, reach) < -reach {
