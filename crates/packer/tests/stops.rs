@@ -64,6 +64,19 @@ fn no_ball_of_the_least_radius_is_left_out() {
     }
 }
 
+/// The stops were looked at before the next ball, and where there was none, "minimum radius" was reported.
+#[test]
+fn issue_a_stop_that_the_last_ball_meets_is_the_one_reported() {
+    // The insphere fills π/6 of a cube, and the next ball has a radius of 0.134.
+    let solid = Solid::new(&common::cuboid(glam::DVec3::ZERO, glam::DVec3::ONE)).unwrap();
+    let options = endless().min_radius(0.4);
+    let stop = |options: PackOptions| pack(&solid, &options).unwrap().report.stop;
+    assert_eq!(stop(options.clone()), StopReason::MinRadius);
+    assert_eq!(stop(options.clone().coverage(0.5)), StopReason::Coverage);
+    assert_eq!(stop(options.clone().volume_error(0.5)), StopReason::VolumeError);
+    assert_eq!(stop(options.spheres(1)), StopReason::SphereCount);
+}
+
 #[test]
 fn a_time_limit_ends_in_a_complete_packing() {
     let solid = gear();

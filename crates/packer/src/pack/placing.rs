@@ -46,16 +46,10 @@ pub(super) fn place(
         filled: 0.0,
         time: watch.has_limit().then(TimeStop::new),
         volume: VolumeStop::new(solid, options, watch),
+        stop: None,
     };
-    let mut stop = None;
-    let grid = rounds::place(solid, smallest, watch, |ball| {
-        stop = stops.reached();
-        if stop.is_none() {
-            stops.add(ball);
-        }
-        stop.is_none()
-    });
-    let Stops { mut balls, volume, .. } = stops;
+    let grid = rounds::place(solid, smallest, watch, |ball| stops.add(ball));
+    let Stops { mut balls, volume, stop, .. } = stops;
     debug_assert!(balls == grid.balls(), "what was wanted is what was placed");
     let volumes = match stop {
         Some(StopReason::VolumeError) => volume.and_then(|volume| volume.settle(&mut balls)),
@@ -95,9 +89,31 @@ struct Stops<'a, 'r> {
     filled: f64,
     time: Option<TimeStop>,
     volume: Option<VolumeStop<'a>>,
+    stop: Option<StopReason>,
 }
 
 impl Stops<'_, '_> {
+    /// Adds the next ball unless a stop is reached. Stops are looked at once a ball is added: the search for the
+    /// next one may be long or find none.
+    fn add(&mut self, ball: &Ball) -> bool {
+        if self.watch.is_over() {
+            return false;
+        }
+        self.balls.push(*ball);
+        self.filled += ball.volume();
+        self.stop = self.reached();
+        if self.stop.is_some() {
+            self.watch.end();
+        }
+        let count = self.balls.len();
+        if count == 1 || count.is_multiple_of(BALLS_PER_PROGRESS) {
+            let coverage = self.coverage();
+            let share = share_placed(self.options, count, coverage, ball.radius).max(self.watch.share());
+            self.reporter.placed(count, coverage, share);
+        }
+        true
+    }
+
     /// The stop that is reached, if one is.
     fn reached(&mut self) -> Option<StopReason> {
         let coverage = self.coverage();
@@ -110,23 +126,10 @@ impl Stops<'_, '_> {
         if self.volume.as_mut().is_some_and(|volume| volume.is_met(&self.balls, coverage)) {
             return Some(StopReason::VolumeError);
         }
-        if let Some(time) = &mut self.time
-            && !self.balls.is_empty()
-        {
+        if let Some(time) = &mut self.time {
             time.reserve(self.solid, self.options, &self.balls, self.watch);
         }
         self.watch.reason()
-    }
-
-    fn add(&mut self, ball: &Ball) {
-        self.balls.push(*ball);
-        self.filled += ball.volume();
-        let count = self.balls.len();
-        if count == 1 || count.is_multiple_of(BALLS_PER_PROGRESS) {
-            let coverage = self.coverage();
-            let share = share_placed(self.options, count, coverage, ball.radius).max(self.watch.share());
-            self.reporter.placed(count, coverage, share);
-        }
     }
 
     fn coverage(&self) -> f64 {

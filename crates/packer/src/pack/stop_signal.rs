@@ -1,7 +1,7 @@
 //! Ending the work early: by the caller or by the clock.
 
 use super::{PackError, StopReason};
-use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// Lets the caller end a packing under way, from any thread or from the progress callback.
@@ -72,12 +72,13 @@ pub(super) struct Watch<'a> {
     limit: Option<Duration>,
     /// When placing has to end, in nanoseconds from the start; it only falls.
     deadline: AtomicU64,
+    ended: AtomicBool,
 }
 
 impl<'a> Watch<'a> {
     pub(super) fn new(signal: &'a StopSignal, limit: Option<Duration>) -> Self {
         let deadline = AtomicU64::new(limit.map_or(u64::MAX, nanoseconds));
-        Self { signal, started: Instant::now(), limit, deadline }
+        Self { signal, started: Instant::now(), limit, deadline, ended: AtomicBool::new(false) }
     }
 
     /// Whether the caller has given the packing up.
@@ -92,10 +93,15 @@ impl<'a> Watch<'a> {
 
     /// Whether no further ball is to be placed.
     pub(super) fn is_over(&self) -> bool {
-        self.signal.is_raised() || self.is_late()
+        self.ended.load(Ordering::Relaxed) || self.signal.is_raised() || self.is_late()
     }
 
-    /// What ended the placing, if the watch did.
+    /// Ends the placing: another stop is reached.
+    pub(super) fn end(&self) {
+        self.ended.store(true, Ordering::Relaxed);
+    }
+
+    /// What ended the placing, if the caller or the clock did.
     pub(super) fn reason(&self) -> Option<StopReason> {
         if self.signal.is_raised() {
             Some(StopReason::Caller)

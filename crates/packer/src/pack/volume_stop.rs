@@ -57,7 +57,7 @@ impl<'a> VolumeStop<'a> {
         let mut too_few = self.previous;
         for _ in 0..HALVINGS {
             let middle = too_few.midpoint(least);
-            if middle == too_few || self.watch.is_over() {
+            if middle == too_few || self.watch.reason().is_some() {
                 break;
             }
             if self.measure(&balls[..middle]) {
