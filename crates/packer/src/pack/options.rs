@@ -39,7 +39,8 @@ pub struct PackOptions {
 }
 
 impl PackOptions {
-    /// 300 spheres: a body among many, or a first look.
+    /// 300 spheres: a body among many, or a first look. On the five assets they fill 56 to 77 % and the volume error
+    /// is 9 to 17 %.
     #[must_use]
     pub fn fast() -> Self {
         Self {
@@ -54,13 +55,15 @@ impl PackOptions {
         }
     }
 
-    /// 1,000 spheres: overlap volumes to a few per cent; the default.
+    /// 1,000 spheres: overlap volumes to a few per cent; the default. On the five assets they fill 66 to 82 % and
+    /// the volume error is 7 to 12 %.
     #[must_use]
     pub fn balanced() -> Self {
         Self { spheres: 1_000, ..Self::fast() }
     }
 
-    /// 5,000 spheres: for thin or large bodies and for reference.
+    /// 5,000 spheres: for thin or large bodies and for reference. On the five assets they fill 75 to 87 % and the
+    /// volume error is 5 to 9 %.
     #[must_use]
     pub fn fine() -> Self {
         Self { spheres: 5_000, ..Self::fast() }
@@ -90,9 +93,9 @@ impl PackOptions {
     /// Stops once the volume balls put no more than `share` of the volume in the wrong place, in (0, 1): the bound
     /// of the error of an overlap volume that [`Quality::volume_error`](crate::Quality::volume_error) is.
     ///
-    /// It is measured at the counts 2^(k/2), as it takes power cells, and then the range between the last two is
-    /// halved three times: it is met with at most 7 % more balls than necessary, as far as it falls with each ball.
-    /// The search takes two to four times the time of asking for the count itself.
+    /// It is measured at some of the counts that grow by √2, as it takes power cells, and then the range between
+    /// the last two counts is halved three times: about 5 % more balls than necessary may be placed. The search took
+    /// three to five times the time of asking for the count that it ended with (two assets, 22 to 1,378 balls).
     #[must_use]
     pub fn volume_error(mut self, share: f64) -> Self {
         self.volume_error = Some(share);
@@ -102,9 +105,10 @@ impl PackOptions {
     /// Stops placing early enough that the whole call takes about `limit`.
     ///
     /// Power cells are tried out with few samples on the way, and time for all of them is set aside. The balls are
-    /// those that a request for the same count gives; their number depends on the machine. The first ball takes
-    /// the search for seeds (tenths of a second) and fewest cells some more: a shorter limit is overrun by that, or
-    /// ends in [`PackError::NothingInTime`]. Otherwise the overrun is a few per cent.
+    /// those that a request for the same count gives; their number depends on the machine. Calls with limits of 1 to
+    /// 10 s took 80 to 96 % of them on two assets and a busy machine. The search for the first ball and the cells of
+    /// so few take a few tenths of a second each: a shorter limit is overrun by so much, or ends in
+    /// [`PackError::NothingInTime`].
     #[must_use]
     pub fn time_limit(mut self, limit: Duration) -> Self {
         self.time_limit = Some(limit);

@@ -13,9 +13,14 @@ use std::f64::consts::SQRT_2;
 
 /// Halvings of the range in which the error is first met; 5 % of the count remain. A choice.
 const HALVINGS: u32 = 3;
-/// The error is not measured while it can hardly be met. It was 0.33 of the gaps' share for a ball in a cube and 0.35
-/// to 0.84 of it in the assets with 1 to 10,000 balls.
-const LEAST_SHARE_OF_GAPS: f64 = 0.25;
+/// The error as a share of the gaps was 0.33 for a ball in a cube and 0.35 to 0.84 in the assets with 1 to 10,000
+/// balls. It is not measured while less than this would be needed.
+const LEAST_SHARE: f64 = 0.25;
+/// Nor, once it is measured, while that share would have to fall by more than this factor; from 100 to 300 balls it
+/// fell to 0.8 of itself at most.
+const FALL: f64 = 0.75;
+/// It is measured in any case when the count has grown by this factor.
+const GROWTH: usize = 4;
 
 pub(super) struct VolumeStop<'a> {
     solid: &'a Solid,
@@ -25,6 +30,9 @@ pub(super) struct VolumeStop<'a> {
     /// Counts at which the error was last and will next be looked at.
     previous: usize,
     next: usize,
+    /// The error is measured once it can be met with this share of the gaps, or at this count.
+    share: f64,
+    due: usize,
     /// Volumes of the cells at the least count that meets the error.
     met: Option<Vec<f64>>,
 }
@@ -33,7 +41,8 @@ impl<'a> VolumeStop<'a> {
     /// None if no error is asked for.
     pub(super) fn new(solid: &'a Solid, options: &'a PackOptions, watch: &'a Watch<'a>) -> Option<Self> {
         let asked = options.volume_error?;
-        Some(Self { solid, options, watch, asked, previous: 0, next: 1, met: None })
+        let (share, due) = (LEAST_SHARE, usize::MAX);
+        Some(Self { solid, options, watch, asked, previous: 0, next: 1, share, due, met: None })
     }
 
     /// Whether `balls`, which fill `coverage`, are known to meet the error.
@@ -41,9 +50,14 @@ impl<'a> VolumeStop<'a> {
         if balls.len() < self.next {
             return false;
         }
-        let is_possible = LEAST_SHARE_OF_GAPS * (1.0 - coverage) <= self.asked;
-        if is_possible && self.measure(balls) {
-            return true;
+        let gaps = 1.0 - coverage;
+        if self.share * gaps <= self.asked || balls.len() >= self.due {
+            let error = self.measure(balls);
+            if error <= self.asked {
+                return true;
+            }
+            self.share = FALL * error / gaps;
+            self.due = balls.len().saturating_mul(GROWTH);
         }
         self.previous = self.next;
         // From 1 on: 2, 3, 5, 8, 12, 17 and so on.
@@ -60,7 +74,7 @@ impl<'a> VolumeStop<'a> {
             if middle == too_few || self.watch.reason().is_some() {
                 break;
             }
-            if self.measure(&balls[..middle]) {
+            if self.measure(&balls[..middle]) <= self.asked {
                 least = middle;
             } else {
                 too_few = middle;
@@ -70,19 +84,19 @@ impl<'a> VolumeStop<'a> {
         self.met
     }
 
-    /// Measures the error of `balls` and keeps their cells if it is met.
-    fn measure(&mut self, balls: &[Ball]) -> bool {
+    /// The error of `balls`, whose cells are kept if it is met.
+    fn measure(&mut self, balls: &[Ball]) -> f64 {
         let samples = placing::gap_samples(self.options, balls.len());
         let volumes = power_cells::volumes(self.solid, balls, samples, self.watch);
         if self.watch.is_cancelled() {
-            return false;
+            return f64::INFINITY;
         }
         let spheres: Vec<InnerSphere> =
             balls.iter().zip(&volumes).map(|(ball, volume)| record(ball, *volume)).collect();
-        let is_met = quality::volume_error(self.solid, &spheres) <= self.asked;
-        if is_met {
+        let error = quality::volume_error(self.solid, &spheres);
+        if error <= self.asked {
             self.met = Some(volumes);
         }
-        is_met
+        error
     }
 }

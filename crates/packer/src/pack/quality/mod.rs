@@ -86,8 +86,8 @@ pub struct SurfaceGap {
 impl Quality {
     /// Measures `packing` against the `solid` that it fills.
     ///
-    /// Deterministic; O((n + s) log n) for n spheres and s samples, in parallel. 10,000 spheres of a gear of 14,800
-    /// triangles take one thread about 0.2 s.
+    /// Deterministic; O((n + s) log n) for n spheres and s samples, in parallel. With one thread and 10,000 spheres
+    /// of a gear of 14,800 triangles it took 0.1 s of 3 s for the packing, with 300 spheres 0.06 of 0.5 s.
     ///
     /// The report of [`pack`](crate::pack()) has these figures; ask here for a packing that comes from a file.
     #[must_use]
