@@ -1,4 +1,5 @@
 //! What ends a packing, and that it really does.
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
 mod common;
 
