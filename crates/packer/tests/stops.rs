@@ -159,6 +159,20 @@ fn cancelling_from_another_thread_cuts_long_searches_and_power_cells_short() {
     }
 }
 
+/// Every place of a thin plate is as good as any other, and the search for the first ball goes through all of them.
+#[test]
+fn a_time_limit_is_kept_where_the_first_search_is_long() {
+    let plate = common::cuboid(glam::DVec3::ZERO, glam::DVec3::new(2.0, 2.0, 1e-4));
+    let solid = Solid::new(&plate).unwrap();
+    let limit = Duration::from_secs(1);
+    let started = Instant::now();
+    match pack(&solid, &endless().time_limit(limit)) {
+        Ok(packed) => assert_eq!(packed.report.stop, StopReason::TimeLimit),
+        Err(error) => assert_eq!(error, PackError::NothingInTime { limit }),
+    }
+    assert!(started.elapsed() < SOON, "{:?}", started.elapsed());
+}
+
 #[test]
 fn progress_never_falls_and_ends_at_one() {
     let solid = torus();
