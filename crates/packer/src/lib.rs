@@ -16,6 +16,9 @@
 //! - [`pack()`] places the balls. Every ball lies inside the mesh and apart from all others, as exported in
 //!   single precision; the cells tile the solid; a larger packing begins with the smaller one; and the
 //!   result is the same bit by bit for any number of threads.
+//! - [`PackOptions`] says when to stop: count, coverage, least radius, volume error, time. [`pack_interruptible`] can
+//!   be ended by another thread.
+//! - [`Quality`] has the figures of a finished packing: what the balls leave out, and where.
 //! - [`export`] writes packings as CSV, JSON and URDF.
 //!
 //! # Limits
@@ -25,6 +28,7 @@
 //!
 //! # Features
 //! - `cli` (default): the program `packer`. Libraries that pack at load time turn it off.
+//! - `serde-serialize`: [`PackReport`] and all in it implement serde's `Serialize`; part of `cli`.
 
 mod error;
 pub mod export;
@@ -35,5 +39,8 @@ mod solid;
 
 pub use error::MeshError;
 pub use mesh::TriangleMesh;
-pub use pack::{PackError, PackOptions, PackReport, Packed, Progress, StopReason, pack, pack_with_progress};
+pub use pack::{
+    LargestGap, MassError, PackError, PackOptions, PackReport, Packed, Progress, Quality, RadiusBin, Stage,
+    StopReason, StopSignal, SurfaceGap, pack, pack_interruptible, pack_with_progress,
+};
 pub use solid::{Diagnosis, Findings, Solid, SurfacePoint, diagnose};

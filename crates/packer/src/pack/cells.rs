@@ -137,6 +137,9 @@ struct Work<'a, 'f> {
 
 fn refine(cell: &Cell, balls: &[Ball], radius: f64, work: &mut Work) {
     for mut child in cell.children() {
+        if work.field.watch.is_over() {
+            return;
+        }
         child.update_among(balls, work.field.solid);
         if child.bound() < radius || child.half_diagonal() <= LEAF * radius {
             settle(child, radius, work.field, work.scratch, work.out);

@@ -5,6 +5,7 @@
 
 use super::ball_grid::{Ball, BallGrid};
 use super::search::Obstacles;
+use super::stop_signal::Watch;
 use crate::Solid;
 use glam::DVec3;
 
@@ -13,6 +14,8 @@ use glam::DVec3;
 pub(super) struct Field<'a> {
     pub(super) solid: &'a Solid,
     pub(super) balls: &'a BallGrid,
+    /// Ends long searches early.
+    pub(super) watch: &'a Watch<'a>,
 }
 
 /// A place for a ball.

@@ -3,65 +3,42 @@
 mod ascent;
 mod ball_grid;
 mod cells;
+mod error;
 mod field;
 mod noise;
 mod options;
+mod placing;
 mod plateau;
 mod power_cells;
+mod progress;
+mod quality;
 mod report;
 mod rounds;
 mod samples;
 mod search;
 mod seeds;
+mod stop_signal;
+mod tangent_ball;
+mod time_stop;
+mod volume_stop;
 mod voronoi;
 
+pub use error::PackError;
 pub use options::PackOptions;
-pub use report::{PackReport, Progress, StopReason};
+pub use progress::{Progress, Stage};
+pub use quality::{LargestGap, MassError, Quality, RadiusBin, SurfaceGap};
+pub use report::{PackReport, StopReason};
+pub use stop_signal::StopSignal;
 
 use crate::Solid;
 use ball_grid::{Ball, BallGrid};
 use glam::DVec3;
-use ist::{InnerSphere, PackingError, Provenance, SpherePacking};
+use ist::{InnerSphere, Provenance, SpherePacking};
+use placing::Placed;
 use power_cells::PowerCell;
+use progress::Reporter;
 use rayon::prelude::*;
-use std::time::Instant;
-
-/// Gap samples of the smallest packings, whose cells are to be as exact as those of larger ones.
-const FEWEST_SAMPLES: usize = 200_000;
-/// Balls placed between two reports of progress.
-const BALLS_PER_PROGRESS: usize = 64;
-
-/// Why no packing was made.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum PackError {
-    /// Zero spheres were asked for.
-    #[error("zero spheres asked for; ask for at least one")]
-    NoSpheresAsked,
-    /// The asked coverage is no share.
-    #[error("coverage {coverage} asked for; it is a share of the volume, above 0 and at most 1")]
-    CoverageOutOfRange {
-        /// What was asked.
-        coverage: f64,
-    },
-    /// The asked least radius is no length.
-    #[error("minimum radius {radius} asked for; it is a length (m), zero or more and finite")]
-    InvalidMinRadius {
-        /// What was asked.
-        radius: f64,
-    },
-    /// Not one ball was placed.
-    #[error(
-        "no ball of radius {smallest:e} m or more fits; ask for a smaller minimum radius, or move the mesh towards the origin if it lies far away: single precision must resolve it there"
-    )]
-    NothingFits {
-        /// Least radius asked for, or representable (m).
-        smallest: f64,
-    },
-    /// The packing could not be stored.
-    #[error(transparent)]
-    Packing(#[from] PackingError),
-}
+use stop_signal::Watch;
 
 /// A packing and what there is to say about it.
 #[derive(Clone, Debug)]
@@ -101,66 +78,60 @@ pub fn pack(solid: &Solid, options: &PackOptions) -> Result<Packed, PackError> {
     pack_with_progress(solid, options, |_| {})
 }
 
-/// As [`pack`], telling `progress` now and then how far it has come.
+/// As [`pack`], telling `progress` now and then how far it has come; on the calling thread.
 ///
 /// # Errors
 /// As [`pack`].
 pub fn pack_with_progress(
     solid: &Solid,
     options: &PackOptions,
+    progress: impl FnMut(Progress),
+) -> Result<Packed, PackError> {
+    pack_interruptible(solid, options, &StopSignal::new(), progress)
+}
+
+/// As [`pack_with_progress`], for a program that lets its user end the work early: `signal` does so from any thread,
+/// also from within `progress`.
+///
+/// # Errors
+/// As [`pack`], and [`PackError::Cancelled`].
+pub fn pack_interruptible(
+    solid: &Solid,
+    options: &PackOptions,
+    signal: &StopSignal,
     mut progress: impl FnMut(Progress),
 ) -> Result<Packed, PackError> {
     options.validate()?;
-    let started = Instant::now();
-    let (grid, stop) = place(solid, options, &mut progress)?;
-    let placed = Instant::now();
-    let samples = (options.samples_per_sphere * grid.balls().len()).max(FEWEST_SAMPLES);
-    let cells = power_cells::measure(solid, grid.balls(), samples);
-    let measured = Instant::now();
+    let watch = Watch::new(signal, options.time_limit);
+    let mut reporter = Reporter::new(&mut progress);
+    reporter.begin(Stage::Seeds);
+    let Placed { balls, stop, cells } = placing::place(solid, options, &watch, &mut reporter)?;
+    let mut report = PackReport::of_balls(&balls, solid.properties().volume, stop);
+    let placed = watch.elapsed();
+    reporter.kept(balls.len(), report.coverage);
+    reporter.begin(Stage::Cells);
+    let cells = cells.unwrap_or_else(|| {
+        power_cells::measure(solid, &balls, placing::gap_samples(options, balls.len()), &watch)
+    });
+    watch.go_on()?;
+    let measured = watch.elapsed();
+    reporter.begin(Stage::Report);
     let (spheres, depths): (Vec<_>, Vec<_>) =
-        grid.balls().par_iter().zip(&cells).map(|(ball, cell)| sphere(solid, ball, cell)).unzip();
-    let mut report = PackReport::of_balls(grid.balls(), solid.properties().volume, stop);
-    report.protrusion = deepest_protrusion(grid.balls(), &depths);
-    report.overlap = deepest_overlap(grid.balls());
-    report.place_seconds = (placed - started).as_secs_f64();
-    report.cells_seconds = (measured - placed).as_secs_f64();
-    report.finish_seconds = measured.elapsed().as_secs_f64();
+        balls.par_iter().zip(&cells).map(|(ball, cell)| sphere(solid, ball, cell)).unzip();
+    report.protrusion = deepest_protrusion(&balls, &depths);
+    report.overlap = deepest_overlap(&balls);
     let packing =
         SpherePacking::new(spheres, *solid.properties())?.with_provenance(provenance(solid, options));
+    watch.go_on()?;
+    let checked = watch.elapsed();
+    report.quality = options.measure_quality.then(|| Quality::measure(solid, &packing));
+    watch.go_on()?;
+    report.place_seconds = placed.as_secs_f64();
+    report.cells_seconds = (measured - placed).as_secs_f64();
+    report.finish_seconds = (checked - measured).as_secs_f64();
+    report.quality_seconds = (watch.elapsed() - checked).as_secs_f64();
+    reporter.begin(Stage::Finished);
     Ok(Packed { packing, report })
-}
-
-/// Places balls until a stop of `options` is reached, and tells which it was.
-fn place(
-    solid: &Solid,
-    options: &PackOptions,
-    progress: &mut impl FnMut(Progress),
-) -> Result<(BallGrid, StopReason), PackError> {
-    let volume = solid.properties().volume;
-    let asked = options.min_radius.unwrap_or(0.0);
-    let smallest = asked.max(resolution(solid));
-    let mut stop = if smallest > asked { StopReason::Exhausted } else { StopReason::MinRadius };
-    let (mut count, mut filled) = (0, 0.0);
-    let grid = rounds::place(solid, smallest, |ball| {
-        if count == options.spheres {
-            stop = StopReason::SphereCount;
-            return false;
-        }
-        if options.coverage.is_some_and(|coverage| filled >= coverage * volume) {
-            stop = StopReason::Coverage;
-            return false;
-        }
-        count += 1;
-        filled += ball.volume();
-        if count % BALLS_PER_PROGRESS == 0 {
-            let by_count = count as f64 / options.spheres as f64;
-            let by_coverage = options.coverage.map_or(0.0, |coverage| filled / volume / coverage);
-            let fraction = by_count.max(by_coverage);
-            progress(Progress { spheres: count, coverage: filled / volume, fraction });
-        }
-        true
-    });
-    if count == 0 { Err(PackError::NothingFits { smallest }) } else { Ok((grid, stop)) }
 }
 
 fn provenance(solid: &Solid, options: &PackOptions) -> Provenance {
@@ -171,25 +142,22 @@ fn provenance(solid: &Solid, options: &PackOptions) -> Provenance {
     }
 }
 
-/// Radius under which single precision no longer resolves a ball's place (m): 16 units in the last place of
-/// the largest coordinate.
-fn resolution(solid: &Solid) -> f64 {
-    let (lower, upper) = solid.bounds();
-    let largest = lower.abs().max(upper.abs()).max_element();
-    16.0 * largest * f64::from(f32::EPSILON)
-}
-
 /// The record of one ball, and the depth of its centre.
 fn sphere(solid: &Solid, ball: &Ball, cell: &PowerCell) -> (InnerSphere, f64) {
     let surface = solid.closest_point(ball.center);
-    let sphere = InnerSphere {
+    let normal = (surface.point - ball.center).normalize_or(DVec3::Z).as_vec3();
+    (InnerSphere { normal, ..record(ball, cell) }, surface.depth)
+}
+
+/// The record of one ball, without its normal.
+fn record(ball: &Ball, cell: &PowerCell) -> InnerSphere {
+    InnerSphere {
         center: ball.center.as_vec3(),
         radius: ball.radius as f32,
         cell_volume: cell.volume as f32,
         cell_centroid: cell.centroid.as_vec3(),
-        normal: (surface.point - ball.center).normalize_or(DVec3::Z).as_vec3(),
-    };
-    (sphere, surface.depth)
+        normal: glam::Vec3::Z,
+    }
 }
 
 /// Farthest that a ball sticks out, from the depths of their centres (m); zero or less where all are inside.

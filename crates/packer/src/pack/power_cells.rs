@@ -12,6 +12,7 @@
 
 use super::ball_grid::Ball;
 use super::noise::Noise;
+use super::stop_signal::Watch;
 use crate::Solid;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -30,12 +31,13 @@ pub(super) struct PowerCell {
     pub(super) centroid: DVec3,
 }
 
-/// The cells of `balls`, whose volumes sum to that of `solid`, from about `samples` gap samples.
-pub(super) fn measure(solid: &Solid, balls: &[Ball], samples: usize) -> Vec<PowerCell> {
+/// The cells of `balls`, whose volumes sum to that of `solid`, from about `samples` gap samples. Once `watch` is
+/// cancelled they are worth nothing.
+pub(super) fn measure(solid: &Solid, balls: &[Ball], samples: usize, watch: &Watch) -> Vec<PowerCell> {
     let filled = balls.iter().map(Ball::volume).sum::<f64>();
     let total = solid.properties().volume;
     let gap = (total - filled).max(0.0);
-    let gaps = sample_gaps(solid, balls, gap / samples.max(1) as f64);
+    let gaps = sample_gaps(&Sampler { solid, balls, watch }, gap / samples.max(1) as f64);
     let sum: u64 = gaps.iter().map(|gap| gap.count).sum();
     if sum == 0 {
         // No sample met a gap: share by size.
@@ -69,7 +71,8 @@ impl Gap {
     }
 }
 
-fn sample_gaps(solid: &Solid, balls: &[Ball], volume_per_sample: f64) -> Vec<Gap> {
+fn sample_gaps(sampler: &Sampler, volume_per_sample: f64) -> Vec<Gap> {
+    let Sampler { solid, balls, .. } = sampler;
     let (lower, upper) = solid.bounds();
     let side = (upper - lower).max_element() * (1.0 + 1e-9);
     // The finest lattice bounds the work where balls leave next to no gap.
@@ -81,7 +84,6 @@ fn sample_gaps(solid: &Solid, balls: &[Ball], volume_per_sample: f64) -> Vec<Gap
     let side = spacing * f64::from(1_u32 << depth);
     let root = Box { center: 0.5 * (lower + upper), half: 0.5 * side, depth, key: 0 };
     let all: Vec<u32> = (0..balls.len() as u32).collect();
-    let sampler = Sampler { solid, balls };
     let mut tasks = vec![(root, all)];
     for _ in 0..TASK_LEVEL {
         tasks = tasks
@@ -166,6 +168,7 @@ enum Place {
 struct Sampler<'a> {
     solid: &'a Solid,
     balls: &'a [Ball],
+    watch: &'a Watch<'a>,
 }
 
 impl Sampler<'_> {
@@ -203,6 +206,9 @@ impl Sampler<'_> {
     /// Adds every gap sample in `within` to `hits`, with its ball; `place` tells what is known of the box.
     fn descend(&self, within: &Box, list: &[u32], mut place: Place, hits: &mut Vec<(u32, DVec3)>) {
         let reach = within.half_diagonal();
+        if within.depth > 1 && self.watch.is_cancelled() {
+            return;
+        }
         if within.depth == 0 {
             let p = within.sample();
             let (ball, power) = self.nearest(p, list);

@@ -1,16 +1,24 @@
 //! What the packer says about its work.
 
+use super::Quality;
 use super::ball_grid::Ball;
 use std::fmt;
 
 /// Which of the asked limits ended the packing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde-serialize", derive(serde::Serialize), serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum StopReason {
     /// The asked number of spheres is placed.
     SphereCount,
     /// The asked coverage is reached.
     Coverage,
+    /// The asked volume error is met.
+    VolumeError,
+    /// The time for placing was over.
+    TimeLimit,
+    /// The caller asked to finish.
+    Caller,
     /// No further ball of the asked least radius fits.
     MinRadius,
     /// No further ball fits that single precision can tell from a point.
@@ -22,25 +30,19 @@ impl fmt::Display for StopReason {
         f.write_str(match self {
             Self::SphereCount => "sphere count",
             Self::Coverage => "coverage",
+            Self::VolumeError => "volume error",
+            Self::TimeLimit => "time limit",
+            Self::Caller => "caller",
             Self::MinRadius => "minimum radius",
             Self::Exhausted => "no larger ball fits",
         })
     }
 }
 
-/// How far the work has come.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Progress {
-    /// Balls placed.
-    pub spheres: usize,
-    /// Share of the volume that they fill.
-    pub coverage: f64,
-    /// Share of the work done, 0 to 1, by the stop that is nearest.
-    pub fraction: f64,
-}
-
 /// Figures of a finished packing.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde-serialize", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct PackReport {
     /// Number of spheres.
     pub spheres: usize,
@@ -58,12 +60,16 @@ pub struct PackReport {
     pub protrusion: f64,
     /// Deepest overlap of two balls (m); zero or less where they are disjoint.
     pub overlap: f64,
+    /// How well the packing represents the solid, unless the options leave that out.
+    pub quality: Option<Quality>,
     /// Wall time for placing the balls (s).
     pub place_seconds: f64,
     /// Wall time for measuring the power cells (s).
     pub cells_seconds: f64,
     /// Wall time for normals and residuals (s).
     pub finish_seconds: f64,
+    /// Wall time for measuring the quality (s).
+    pub quality_seconds: f64,
 }
 
 impl PackReport {
@@ -80,9 +86,11 @@ impl PackReport {
             radius_max: radii[radii.len() - 1],
             protrusion: 0.0,
             overlap: 0.0,
+            quality: None,
             place_seconds: 0.0,
             cells_seconds: 0.0,
             finish_seconds: 0.0,
+            quality_seconds: 0.0,
         }
     }
 }

@@ -13,6 +13,7 @@ use super::cells::{Cell, Visit, visit};
 use super::field::{Candidate, Field, Scratch};
 use super::plateau::{self, Waiting};
 use super::seeds;
+use super::stop_signal::Watch;
 use crate::Solid;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -30,9 +31,15 @@ const PASS: usize = 1 << 18;
 /// Levels of a cell that are refined as one task.
 const LEVELS: u32 = 4;
 
-/// Places balls until `wanted` says stop; it is asked before each ball with the next one.
-pub(super) fn place(solid: &Solid, smallest: f64, wanted: impl FnMut(&Ball) -> bool) -> BallGrid {
-    let mut placing = Placing { solid, balls: BallGrid::default(), wanted };
+/// Places balls until `wanted` says stop, which is asked before each ball with the next one, or until `watch` is
+/// over. A pass that it cuts short places nothing, so that the balls are still a beginning of the same sequence.
+pub(super) fn place(
+    solid: &Solid,
+    smallest: f64,
+    watch: &Watch,
+    wanted: impl FnMut(&Ball) -> bool,
+) -> BallGrid {
+    let mut placing = Placing { solid, balls: BallGrid::default(), watch, wanted };
     let roots = roots(&placing.field());
     let Some(largest) = roots.iter().map(Cell::bound).max_by(f64::total_cmp) else { return placing.balls };
     let mut seeds = seeds::find(&placing.field());
@@ -60,12 +67,13 @@ pub(super) fn place(solid: &Solid, smallest: f64, wanted: impl FnMut(&Ball) -> b
 struct Placing<'a, W> {
     solid: &'a Solid,
     balls: BallGrid,
+    watch: &'a Watch<'a>,
     wanted: W,
 }
 
 impl<W: FnMut(&Ball) -> bool> Placing<'_, W> {
     fn field(&self) -> Field<'_> {
-        Field { solid: self.solid, balls: &self.balls }
+        Field { solid: self.solid, balls: &self.balls, watch: self.watch }
     }
 
     /// Places the balls of at least `radius` that the seeds propose.
@@ -90,10 +98,11 @@ impl<W: FnMut(&Ball) -> bool> Placing<'_, W> {
             }
             seeds.extend(rest);
             seeds.sort_by(|a, b| b.radius.total_cmp(&a.radius));
-            if balls.is_empty() {
+            let placed = self.balls.balls().len();
+            self.accept(balls, radius)?;
+            if self.balls.balls().len() == placed {
                 return ControlFlow::Continue(());
             }
-            self.accept(balls, radius)?;
         }
     }
 
@@ -127,8 +136,14 @@ impl<W: FnMut(&Ball) -> bool> Placing<'_, W> {
                     buckets.add(cell, bound, round + 1);
                 }
             }
-            open.extend(again.into_iter().rev());
+            let placed = self.balls.balls().len();
             self.accept(balls, radius)?;
+            if self.balls.balls().len() > placed {
+                open.extend(again.into_iter().rev());
+            } else {
+                // Not one fits where it was proposed: rounding. Again they would be proposed for ever.
+                again.into_iter().for_each(|cell| buckets.add(cell, radius, round + 1));
+            }
         }
         ControlFlow::Continue(())
     }
@@ -139,6 +154,7 @@ impl<W: FnMut(&Ball) -> bool> Placing<'_, W> {
         let field = self.field();
         let (mut pass, mut work) = (Vec::new(), 0);
         while work < PASS
+            && !self.watch.is_over()
             && let Some(mut cell) = open.pop()
         {
             if cell.levels(radius) <= LEVELS {
@@ -162,6 +178,9 @@ impl<W: FnMut(&Ball) -> bool> Placing<'_, W> {
     /// Places those of `proposals`, of at least `radius`, that do not meet an earlier one; see [`super::plateau`]
     /// for those that wait for the next pass. The first in order is always placed.
     fn accept(&mut self, proposals: Vec<Ball>, radius: f64) -> ControlFlow<()> {
+        if self.watch.is_over() {
+            return ControlFlow::Break(());
+        }
         let mut waiting = Waiting::default();
         for (ball, contacts) in plateau::in_order(proposals, radius, &self.balls) {
             if waiting.holds(&ball, contacts) || self.balls.clearance(ball.center, ball.radius) < ball.radius
@@ -185,6 +204,9 @@ fn visit_all(cells: &[Cell], radius: f64, field: &Field) -> Vec<(Visit, Vec<Opti
         .map_init(Scratch::default, |scratch, chunk| {
             let mut out = Visit::default();
             for cell in chunk {
+                if field.watch.is_over() {
+                    break;
+                }
                 visit(cell.clone(), radius, field, scratch, &mut out);
             }
             let ball = |cell: &Cell| cell.candidate().and_then(|candidate| export(candidate, field));
