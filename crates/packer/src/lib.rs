@@ -41,6 +41,6 @@ pub use error::MeshError;
 pub use mesh::TriangleMesh;
 pub use pack::{
     LargestGap, MassError, PackError, PackOptions, PackReport, Packed, Progress, Quality, RadiusBin, Stage,
-    StopReason, StopSignal, SurfaceGap, pack, pack_interruptible, pack_with_progress,
+    StopReason, StopSignal, SurfaceGap, pack, pack_interruptible, pack_with_progress, provenance,
 };
 pub use solid::{Diagnosis, Findings, Solid, SurfacePoint, diagnose};

@@ -134,7 +134,9 @@ pub fn pack_interruptible(
     Ok(Packed { packing, report })
 }
 
-fn provenance(solid: &Solid, options: &PackOptions) -> Provenance {
+/// The provenance that packing `solid` with `options` gives: a packing that has it need not be made again.
+#[must_use]
+pub fn provenance(solid: &Solid, options: &PackOptions) -> Provenance {
     Provenance {
         generator: concat!("rapier-ist-packer ", env!("CARGO_PKG_VERSION")).into(),
         source: format!("{} {:016x}", options.source, solid.mesh().content_hash()).trim_start().into(),

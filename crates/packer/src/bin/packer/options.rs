@@ -5,6 +5,7 @@ use clap::ValueEnum;
 use packer::PackOptions;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::path::Path;
+use std::time::Duration;
 
 /// Spheres that a request for a coverage alone may use: more are rarely meant.
 const SPHERES_FOR_STOPS: usize = 1_000_000;
@@ -25,6 +26,12 @@ pub(crate) struct PackingArguments {
     /// Place no ball of a smaller radius (in the unit of the mesh).
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     min_radius: Option<f64>,
+    /// Stop once the volume balls misplace at most this share of the volume, above 0 and below 1.
+    #[arg(long, value_name = "F", allow_negative_numbers = true)]
+    volume_error: Option<f64>,
+    /// Stop in time for the packing to be written after this many seconds; how far it comes depends on the machine.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    time_limit: Option<Duration>,
 }
 
 #[derive(Clone, Copy, Default, ValueEnum)]
@@ -46,15 +53,25 @@ impl PackingArguments {
             Preset::Balanced => PackOptions::balanced(),
             Preset::Fine => PackOptions::fine(),
         };
-        let has_other_stop = self.coverage.is_some() || self.min_radius.is_some();
+        let has_other_stop = self.coverage.is_some()
+            || self.min_radius.is_some()
+            || self.volume_error.is_some()
+            || self.time_limit.is_some();
         let default = if has_other_stop { SPHERES_FOR_STOPS } else { options.spheres };
         options.spheres = self.spheres.unwrap_or(default);
         options.coverage = self.coverage;
         options.min_radius = self.min_radius;
+        options.volume_error = self.volume_error;
+        options.time_limit = self.time_limit;
         options.source = source(mesh);
         options.validate()?;
         Ok(options)
     }
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds: f64 = text.parse().map_err(|_| "not a number of seconds".to_owned())?;
+    Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string())
 }
 
 /// The file name as it stands in a packing's provenance: one line without spaces around it.

@@ -68,10 +68,11 @@ fn pack_file(arguments: &Arguments, options: &PackOptions) -> anyhow::Result<(So
 }
 
 fn summary(report: &PackReport, arguments: &Arguments) -> String {
-    format!(
+    let mut text = format!(
         "{}: {} spheres fill {:.2} % of {} (stop: {})\n\
          radii {:.3e} to {:.3e}, median {:.3e}\n\
-         placed in {:.2} s, power cells in {:.2} s, checked in {:.2} s",
+         placed in {:.2} s, power cells in {:.2} s, checked in {:.2} s\n\
+         balls stick out by {:.1e} and overlap by {:.1e}: none does unless a number is positive",
         arguments.output.display(),
         report.spheres,
         100.0 * report.coverage,
@@ -83,7 +84,24 @@ fn summary(report: &PackReport, arguments: &Arguments) -> String {
         report.place_seconds,
         report.cells_seconds,
         report.finish_seconds,
-    )
+        report.protrusion,
+        report.overlap,
+    );
+    if let Some(quality) = &report.quality {
+        let gap = &quality.surface_gap;
+        text += &format!(
+            "\nvolume error {:.2} %, surface gap mean {:.3e}, p95 {:.3e}, largest {:.3e} at {}",
+            100.0 * quality.volume_error,
+            gap.mean,
+            gap.p95,
+            gap.max,
+            gap.farthest,
+        );
+        if let Some(gap) = quality.largest_gap {
+            text += &format!("\nlargest gap between the balls: radius {:.3e} at {}", gap.radius, gap.center);
+        }
+    }
+    text
 }
 
 fn to_json(report: &PackReport, arguments: &Arguments) -> serde_json::Value {
@@ -95,10 +113,12 @@ fn to_json(report: &PackReport, arguments: &Arguments) -> serde_json::Value {
         "stop": report.stop.to_string(),
         "radius": { "min": report.radius_min, "median": report.radius_median, "max": report.radius_max },
         "residuals": { "protrusion": report.protrusion, "overlap": report.overlap },
+        "quality": report.quality,
         "seconds": {
             "place": report.place_seconds,
             "cells": report.cells_seconds,
             "finish": report.finish_seconds,
+            "quality": report.quality_seconds,
         },
     })
 }

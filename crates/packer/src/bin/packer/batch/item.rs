@@ -5,16 +5,15 @@ use super::{Arguments, shard};
 use crate::options::PackingArguments;
 use crate::output;
 use anyhow::{Context, bail};
-use ist::{FileError, Provenance, SpherePacking};
-use packer::{PackOptions, Solid, TriangleMesh, pack};
+use ist::{FileError, SpherePacking};
+use packer::{Solid, TriangleMesh, pack, provenance};
 use std::io::ErrorKind;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Name of the program in the provenance of its packings, and its version.
+/// Name of the program in the provenance of its packings.
 const NAME: &str = env!("CARGO_PKG_NAME");
-const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// A mesh and the packing that is to be made of it.
 pub(super) struct Item {
@@ -81,14 +80,14 @@ impl Item {
         let mesh = TriangleMesh::load(&self.input)?;
         let solid = Solid::new(&mesh)?;
         if let Existing::Packing(existing) = existing
-            && *existing.provenance() == expected(&solid, &options)
+            && *existing.provenance() == provenance(&solid, &options)
         {
             return Ok(Outcome::Unchanged {
                 spheres: existing.spheres().len(),
                 coverage: existing.coverage(),
             });
         }
-        let packed = pack(&solid, &options)?;
+        let packed = pack(&solid, &options.measure_quality(false))?;
         if let Some(folder) = self.output.parent() {
             std::fs::create_dir_all(folder)
                 .with_context(|| format!("cannot make the folder {}", folder.display()))?;
@@ -130,14 +129,5 @@ impl Item {
             // Damaged, or of another version of the format: its mesh is here to make it again.
             Err(_) => Ok(Existing::Nothing),
         }
-    }
-}
-
-/// The provenance that packing `solid` with `options` gives.
-fn expected(solid: &Solid, options: &PackOptions) -> Provenance {
-    Provenance {
-        generator: format!("{NAME} {VERSION}"),
-        source: format!("{} {:016x}", options.source, solid.mesh().content_hash()).trim_start().to_owned(),
-        options: options.to_string(),
     }
 }
