@@ -50,7 +50,7 @@ fn coverage() -> Result<(), Box<dyn Error>> {
         };
         let here = COUNTS.map(share);
         let difference = [0, 1, 2].map(|i| here[i] - greedy[i]);
-        let triangles = solid.mesh().triangles.len();
+        let triangles = solid.diagnosis().input_triangles;
         println!(
             "| {name} | {triangles} | {} | {} | {} |",
             row(here, ""),

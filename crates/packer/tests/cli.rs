@@ -92,6 +92,25 @@ fn check_tells_good_meshes_from_bad_ones() {
 }
 
 #[test]
+fn every_stop_can_be_asked_for_and_is_named() {
+    let folder = folder();
+    let at = folder.path();
+    for (option, value, stop) in [
+        ("--spheres", "20", "sphere count"),
+        ("--coverage", "0.6", "coverage"),
+        ("--min-radius", "0.1", "minimum radius"),
+        ("--volume-error", "0.2", "volume error"),
+        ("--time-limit", "1.5", "time limit"),
+    ] {
+        let output = packer(at, ["pack", "cube.obj", "-o", "cube.ist", option, value, "--json"]);
+        let report = json(&output);
+        assert_eq!(report["stop"], stop);
+        assert!(report["quality"]["volume_error"].as_f64().unwrap() < 0.5, "{report}");
+        assert_eq!(report["spheres"], SpherePacking::load(at.join("cube.ist")).unwrap().spheres().len());
+    }
+}
+
+#[test]
 fn bad_input_gives_a_message_and_status_2_and_leaves_nothing_behind() {
     let folder = folder();
     let at = folder.path();
@@ -113,6 +132,9 @@ fn bad_input_gives_a_message_and_status_2_and_leaves_nothing_behind() {
         (vec!["pack", "cube.obj", "-o", "out.ist", "--coverage", "1.5"], "coverage 1.5"),
         (vec!["pack", "cube.obj", "-o", "out.ist", "--coverage", "-1"], "coverage -1"),
         (vec!["pack", "cube.obj", "-o", "out.ist", "--coverage", "NaN"], "coverage NaN"),
+        (vec!["pack", "cube.obj", "-o", "out.ist", "--volume-error", "2"], "volume error 2"),
+        (vec!["pack", "cube.obj", "-o", "out.ist", "--time-limit", "-1"], "time-limit"),
+        (vec!["pack", "cube.obj", "-o", "out.ist", "--time-limit", "0"], "time"),
         (vec!["pack", "cube.obj", "-o", "out.ist", "--threads", "0"], "zero threads"),
         (vec!["pack", "cube.obj", "-o", "nowhere/out.ist"], "output folder nowhere does not exist"),
         (vec!["pack", "cube.obj", "-o", "."], "is a folder"),

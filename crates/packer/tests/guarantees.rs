@@ -69,12 +69,24 @@ fn any_number_of_threads_gives_the_same_bytes() {
 }
 
 #[test]
-fn coverage_comes_near_that_of_exact_greedy_packing() {
-    // Exact best-first greedy packing fills 81.5, 70.0 and 76.3 per cent with 1,000 balls.
-    for (name, least) in [("bunny.obj", 0.805), ("pinion_gear.obj", 0.696), ("femur.obj", 0.753)] {
+fn coverage_is_that_of_exact_greedy_packing_or_more() {
+    // Exact best-first greedy packing by octree bounds fills these shares with 100, 1,000 and 3,000 balls.
+    for (name, greedy, allowance) in [
+        ("bunny.obj", [0.708, 0.815, 0.852], 0.0),
+        ("femur.obj", [0.636, 0.763, 0.809], 0.0),
+        ("pelvis.obj", [0.430, 0.653, 0.720], 0.0),
+        ("pinion_gear.obj", [0.501, 0.706, 0.765], 0.0),
+        // Its figures include balls outside the gear, see docs/BENCHMARKS.md.
+        ("spider_gear.obj", [0.476, 0.700, 0.763], 0.01),
+    ] {
         let solid = Solid::new(&TriangleMesh::load(common::asset(name)).unwrap()).unwrap();
-        let coverage = pack(&solid, &PackOptions::balanced()).unwrap().report.coverage;
-        assert!(coverage >= least, "{name}: {coverage}");
+        let packed = pack(&solid, &PackOptions::balanced().spheres(3_000)).unwrap();
+        for (count, greedy) in [100, 1_000, 3_000].into_iter().zip(greedy) {
+            let volume = |radius: f32| 4.0 / 3.0 * PI * f64::from(radius).powi(3);
+            let filled: f64 = packed.packing.spheres()[..count].iter().map(|s| volume(s.radius)).sum();
+            let coverage = filled / solid.properties().volume;
+            assert!(coverage >= greedy - allowance, "{name}, {count} balls: {coverage} < {greedy}");
+        }
     }
 }
 

@@ -189,6 +189,21 @@ fn neighbours_and_touching_faces_do_not_count_as_cutting() {
     }
 }
 
+/// The mesh of a solid was the surface of its union, which is cut without common vertices: moved or scaled, it was refused.
+#[test]
+fn issue_the_mesh_of_a_solid_encloses_the_same_solid_when_it_is_read_again() {
+    let gear = TriangleMesh::load(common::asset("spider_gear.obj")).unwrap();
+    let cubes =
+        join(&cuboid(DVec3::ZERO, DVec3::ONE), &cuboid(DVec3::splat(0.5), DVec3::new(1.5, 1.25, 1.125)));
+    for mesh in [gear, cubes] {
+        let solid = Solid::new(&mesh).unwrap();
+        assert!(solid.diagnosis().self_intersections.count > 0);
+        let again = Solid::new(solid.mesh()).unwrap();
+        assert_eq!(again.properties().volume, solid.properties().volume);
+        assert_eq!(again.surface().triangles.len(), solid.surface().triangles.len());
+    }
+}
+
 #[test]
 fn what_cuts_itself_is_the_same_for_any_number_of_threads() {
     let ball = bumpy_sphere(20, 1.0, 0.2, 7);
@@ -197,7 +212,7 @@ fn what_cuts_itself_is_the_same_for_any_number_of_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let solid = Solid::new(&mesh).unwrap();
-            (solid.mesh().content_hash(), solid.diagnosis().clone())
+            (solid.surface().content_hash(), solid.diagnosis().clone())
         })
     };
     let one = surface(1);

@@ -1,11 +1,12 @@
 //! Where equally large balls fit anywhere, they are placed close to each other.
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests fail by panicking")]
 
 mod common;
 
-use glam::DVec3;
-use packer::{PackOptions, Solid, pack};
+use glam::{DQuat, DVec3, EulerRot};
+use packer::{PackOptions, Solid, TriangleMesh, pack};
 use std::f64::consts::PI;
+use std::time::Duration;
 
 /// How many balls of nearly the largest radius are in the solid.
 fn largest_balls(solid: &Solid, share: f64) -> usize {
@@ -33,4 +34,26 @@ fn a_plate_holds_rows_of_touching_balls() {
     let share = largest_balls(&solid, 0.98) as f64 * 0.25 * PI / (extent.x * extent.y);
     // Discs put down at random cover 0.547 of a plane, hexagons of them 0.907.
     assert!(share > 0.7, "{share}");
+}
+
+/// The search went through all places of a plate before it placed the first ball: a minute for this one, and a hundred
+/// times as long for one a tenth as thick.
+#[test]
+fn issue_a_thin_plate_does_not_keep_its_first_balls_waiting() {
+    for thickness in [1e-3, 1e-4, 3e-5] {
+        let plate = common::cuboid(DVec3::ZERO, DVec3::new(1.0, 1.0, thickness));
+        // Oblique: the box around it is no thinner than it is wide.
+        let turn = DQuat::from_euler(EulerRot::XYZ, 0.5, 0.4, 0.3);
+        let vertices = plate.vertices.iter().map(|v| turn * *v).collect();
+        let solid = Solid::new(&TriangleMesh { vertices, ..plate }).unwrap();
+        let (done, receiver) = std::sync::mpsc::channel();
+        let thread = std::thread::spawn(move || {
+            let _ = done.send(pack(&solid, &PackOptions::fast().spheres(50)).map(|packed| packed.packing));
+        });
+        let packing = receiver.recv_timeout(Duration::from_secs(60)).expect("the plate hangs").unwrap();
+        thread.join().unwrap();
+        assert_eq!(packing.spheres().len(), 50);
+        let radius = f64::from(packing.spheres()[0].radius);
+        assert!((2.0 * radius / thickness - 1.0).abs() < 1e-2, "{radius} in a plate of {thickness}");
+    }
 }

@@ -112,7 +112,7 @@ fn check_solid(solid: &Solid, count: usize) -> Result<(), TestCaseError> {
         stop => prop_assert!(stop == StopReason::Exhausted && packed.packing.spheres().len() < count),
     }
     // The mesh of the solid is the input but for orientation: welding moves no vertex.
-    check(packed.packing.spheres(), &Surface::of(solid.mesh()))?;
+    check(packed.packing.spheres(), &Surface::of(solid.surface()))?;
     for threads in [2, 8] {
         let other = with_threads(threads, || pack(solid, &options)).unwrap();
         prop_assert!(
@@ -162,7 +162,9 @@ proptest! {
             StopReason::MinRadius => prop_assert!(filled(spheres) < coverage && spheres.len() < 150),
             stop => prop_assert!(false, "{stop}"),
         }
-        check_prefix(&by_all, &pack(&solid, &options).unwrap())?;
+        // A least radius has a say in the last round, so it is left out here.
+        let by_coverage = pack(&solid, &options.clone().coverage(coverage)).unwrap();
+        check_prefix(&by_coverage, &pack(&solid, &options).unwrap())?;
     }
 }
 

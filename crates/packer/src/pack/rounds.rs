@@ -7,6 +7,18 @@
 //! that are out of date stay valid, as `f` only falls. So a cell rests in the bucket of its bound until its
 //! round comes. No step depends on how many balls are asked for, and all searches of a pass see the same
 //! balls: a larger packing begins with the smaller one, and threads do not matter.
+//!
+//! What was chosen, and what it is worth:
+//!
+//! - Buckets of cells instead of a queue of single cells: all places of a round are searched in parallel. Two threads
+//!   are 1.8 to 1.9 times as fast as one, and 10,000 balls of a gear of 14,800 triangles take 1.9 s, 100,000 13 s; exact
+//!   greedy packing of comparable meshes with 10,000 balls took 28 to 81 s on one thread.
+//! - Cells keep the place that their last search found, and search again only when a new ball covers it. For 10,000
+//!   balls of the gear there were 38 searches a ball, of 3.4 evaluations each.
+//! - Searches solve a linear model instead of taking small steps ([`super::search`]).
+//! - Placed balls are found in grids by radius ([`super::ball_grid`]): a quarter of the time. Half goes into distances to
+//!   the surface; beginning those with the triangle that was nearest before was no faster.
+//! - Large balls come from Voronoi seeds ([`super::seeds`]), balls on plateaus in rows ([`super::plateau`]).
 
 use super::ball_grid::{Ball, BallGrid};
 use super::cells::{Cell, Visit, visit};

@@ -14,9 +14,9 @@ pub(super) struct Sample {
 
 /// `count` samples: the area, in the order of the triangles, is cut into equal strata with one sample in each.
 pub(super) fn on_surface(solid: &Solid, count: usize) -> Vec<Sample> {
-    let triangles = solid.mesh().triangles.len();
+    let triangles = solid.surface().triangles.len();
     let doubled = |triangle: usize| {
-        let [a, b, c] = solid.mesh().corners(triangle);
+        let [a, b, c] = solid.surface().corners(triangle);
         (b - a).cross(c - a)
     };
     let mut area = 0.0;
@@ -32,7 +32,7 @@ pub(super) fn on_surface(solid: &Solid, count: usize) -> Vec<Sample> {
             let mut noise = Noise::new(stratum as u64);
             let at = (stratum as f64 + noise.uniform()) / count as f64 * area;
             let triangle = sums.partition_point(|sum| *sum <= at).min(triangles - 1);
-            let [a, b, c] = solid.mesh().corners(triangle);
+            let [a, b, c] = solid.surface().corners(triangle);
             // Uniform in a triangle (R. Osada et al., Shape distributions, 2002).
             let (u, v) = (noise.uniform().sqrt(), noise.uniform());
             let point = a * (1.0 - u) + b * (u * (1.0 - v)) + c * (u * v);

@@ -19,6 +19,8 @@ use std::borrow::Cow;
 pub(super) struct Surface {
     /// What bounds the solid, every triangle facing outwards.
     pub(super) mesh: TriangleMesh,
+    /// The closed mesh, where that is another one.
+    pub(super) closed: Option<TriangleMesh>,
     pub(super) bvh: Bvh,
     /// The surface as it came, if what lies inside the union could not be cut off everywhere: `mesh` is not closed then.
     pub(super) uncut: Option<Bvh>,
@@ -179,7 +181,7 @@ fn finish(closed: Closed, bvh: Bvh, meetings: &[Meeting], d: &mut Diagnosis) -> 
     if meetings.is_empty() {
         d.volume = Some(by_shells.volume);
         let pseudonormals = Pseudonormals::new(&mesh, &neighbours, at_shared_edge);
-        return Surface { mesh, bvh, uncut: None, pseudonormals, properties: by_shells };
+        return Surface { mesh, closed: None, bvh, uncut: None, pseudonormals, properties: by_shells };
     }
     let visible = visible::visible(&mesh, &neighbours, &bvh, meetings);
     let mut is_whole = vec![false; mesh.triangles.len()];
@@ -195,5 +197,12 @@ fn finish(closed: Closed, bvh: Bvh, meetings: &[Meeting], d: &mut Diagnosis) -> 
     d.volume = Some(properties.volume);
     d.overlap_volume = by_shells.volume - properties.volume;
     let uncut = (visible.uncut > 0).then_some(bvh);
-    Surface { bvh: bvh_of(&visible.mesh), mesh: visible.mesh, uncut, pseudonormals, properties }
+    Surface {
+        bvh: bvh_of(&visible.mesh),
+        mesh: visible.mesh,
+        closed: Some(mesh),
+        uncut,
+        pseudonormals,
+        properties,
+    }
 }

@@ -51,7 +51,7 @@ pub struct SurfacePoint {
     pub point: DVec3,
     /// Depth of the query point under the surface (m): positive inside, negative outside.
     pub depth: f64,
-    /// Index of the triangle in [`Solid::mesh`].
+    /// Index of the triangle in [`Solid::surface`].
     pub triangle: u32,
 }
 
@@ -71,10 +71,16 @@ impl Solid {
         }
     }
 
-    /// The surface: welded and oriented outwards. Where the mesh cut or covered itself it has only what bounds the
-    /// union: triangles are cut there, and their parts meet without common vertices.
+    /// The mesh: welded, closed, every shell oriented outwards. It encloses the same solid when it is read again.
     #[must_use]
     pub fn mesh(&self) -> &TriangleMesh {
+        self.surface.closed.as_ref().unwrap_or(&self.surface.mesh)
+    }
+
+    /// What bounds the solid: [`Self::mesh`], but where that cuts or covers itself only what bounds the union. Triangles
+    /// are cut there, and their parts meet without common vertices.
+    #[must_use]
+    pub fn surface(&self) -> &TriangleMesh {
         &self.surface.mesh
     }
 
@@ -135,7 +141,7 @@ impl Solid {
         Some(SurfacePoint { point: nearest.point, depth, triangle: nearest.triangle })
     }
 
-    /// Corner positions of a triangle of [`Self::mesh`].
+    /// Corner positions of a triangle of [`Self::surface`].
     pub(crate) fn corners(&self, triangle: u32) -> [DVec3; 3] {
         self.surface.mesh.corners(triangle as usize)
     }

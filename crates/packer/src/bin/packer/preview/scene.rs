@@ -31,7 +31,7 @@ impl Scene {
             .iter()
             .map(|s| Ball { center: place(s.center.as_dvec3()), radius: (f64::from(s.radius) / unit) as f32 })
             .collect();
-        let mesh = solid.map(Solid::mesh);
+        let mesh = solid.map(Solid::surface);
         let count = mesh.map_or(0, |mesh| mesh.triangles.len());
         let corners = |index| mesh.map(|mesh| mesh.corners(index).map(place));
         let triangles = (0..count).filter_map(corners).collect();
