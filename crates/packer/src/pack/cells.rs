@@ -26,6 +26,8 @@ pub(super) struct Cell {
     surface: [f64; 2],
     /// What the last ascent from here found.
     candidate: Option<Candidate>,
+    /// The candidate as it would be stored, once that is known.
+    ball: Option<Ball>,
 }
 
 /// What became of a cell in a round.
@@ -39,7 +41,14 @@ pub(super) struct Visit {
 
 impl Cell {
     pub(super) fn root(center: DVec3, half: f64) -> Self {
-        Self { center, half, clearance: f64::INFINITY, surface: [0.0, f64::INFINITY], candidate: None }
+        Self {
+            center,
+            half,
+            clearance: f64::INFINITY,
+            surface: [0.0, f64::INFINITY],
+            candidate: None,
+            ball: None,
+        }
     }
 
     fn half_diagonal(&self) -> f64 {
@@ -51,8 +60,17 @@ impl Cell {
         self.clearance + self.half_diagonal()
     }
 
-    pub(super) fn candidate(&self) -> Option<&Candidate> {
-        self.candidate.as_ref()
+    /// The ball that the cell proposes, as `export` makes it of its candidate; asked only once while it fits.
+    pub(super) fn proposal(
+        &mut self,
+        field: &Field,
+        export: impl FnOnce(&Candidate, &Field) -> Option<Ball>,
+    ) -> Option<Ball> {
+        let fits = |ball: &Ball| field.balls.clearance(ball.center, ball.radius) >= ball.radius;
+        if !self.ball.as_ref().is_some_and(fits) {
+            self.ball = self.candidate.as_ref().and_then(|candidate| export(candidate, field));
+        }
+        self.ball
     }
 
     /// Brings [`Self::clearance`] up to date with all balls.
@@ -108,7 +126,7 @@ impl Cell {
         (0..8).map(move |i| {
             let side = |bit: i32| if i >> bit & 1 == 1 { half } else { -half };
             let center = self.center + DVec3::new(side(0), side(1), side(2));
-            Self { center, half, clearance: self.clearance + offset, surface, candidate: None }
+            Self { center, half, clearance: self.clearance + offset, surface, candidate: None, ball: None }
         })
     }
 }
@@ -167,6 +185,7 @@ fn settle(mut cell: Cell, radius: f64, field: &Field, scratch: &mut Scratch, out
         .is_some_and(|c| !c.at_boundary && field.balls.clearance(c.center, c.radius) >= c.radius);
     if !still_there {
         let reach = REACH * cell.half_diagonal();
+        cell.ball = None;
         cell.candidate =
             Some(search::ascend(field, cell.center, cell.clearance, reach, &mut scratch.obstacles));
     }

@@ -221,8 +221,7 @@ fn visit_all(cells: &[Cell], radius: f64, field: &Field) -> Vec<(Visit, Vec<Opti
                 }
                 visit(cell.clone(), radius, field, scratch, &mut out);
             }
-            let ball = |cell: &Cell| cell.candidate().and_then(|candidate| export(candidate, field));
-            let balls = out.proposals.iter().map(ball).collect();
+            let balls = out.proposals.iter_mut().map(|cell| cell.proposal(field, export)).collect();
             (out, balls)
         })
         .collect()
