@@ -19,7 +19,7 @@
 //! - [`PackOptions`] says when to stop: count, coverage, least radius, volume error, time. [`pack_interruptible`] can
 //!   be ended by another thread.
 //! - [`Quality`] has the figures of a finished packing: what the balls leave out, and where.
-//! - [`export`] writes packings as CSV, JSON and URDF.
+//! - The module `export` writes packings as CSV, JSON and URDF.
 //!
 //! # Limits
 //! The surface must be closed. Every edge must have two faces, or bound wedges of material as where two parts touch.
@@ -28,9 +28,11 @@
 //!
 //! # Features
 //! - `cli` (default): the program `packer`. Libraries that pack at load time turn it off.
+//! - `export`: the module of that name; part of `cli`.
 //! - `serde-serialize`: [`PackReport`] and all in it implement serde's `Serialize`; part of `cli`.
 
 mod error;
+#[cfg(feature = "export")]
 pub mod export;
 mod load;
 mod mesh;

@@ -1,4 +1,5 @@
 //! Exported packings, read back by parsers that did not write them.
+#![cfg(feature = "export")]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
 
 use glam::{DMat3, DVec3, Vec3};
