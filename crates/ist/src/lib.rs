@@ -9,7 +9,7 @@
 //! rendering* (inner sphere trees, Sandbox 2009; RSS 2009), with one departure: every sphere also carries the volume
 //! of its *power cell*, and overlap is measured with the ball of that volume instead of the inner ball.
 //! The gaps between inner balls are then counted once instead of being lost twice, which makes overlap
-//! volumes about twenty times more accurate at nearly the same cost (see [`InnerSphere::volume_radius`]).
+//! volumes one to two orders of magnitude more accurate at nearly the same cost (see [`InnerSphere::volume_ball`]).
 //!
 //! ```
 //! use glam::Vec3;

@@ -101,7 +101,7 @@ impl SpherePacking {
         balls * 4.0 / 3.0 * core::f64::consts::PI / self.solid.volume
     }
 
-    /// Corners of the smallest axis-aligned box around the balls of volume radius (m).
+    /// Corners of the smallest axis-aligned box around the volume balls (m).
     #[must_use]
     pub fn bounds(&self) -> (Vec3, Vec3) {
         let empty = (Vec3::splat(f32::INFINITY), Vec3::splat(f32::NEG_INFINITY));

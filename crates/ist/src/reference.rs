@@ -22,7 +22,7 @@ pub struct ReferenceOverlap {
     pub pairs: u32,
 }
 
-/// Overlap of `a` and `b`, whose frame stands at `pose` in `a`'s frame, with balls of volume radius.
+/// Overlap of `a` and `b`, whose frame stands at `pose` in `a`'s frame, with volume balls.
 #[must_use]
 pub fn overlap(a: &InnerSphereTree, b: &InnerSphereTree, pose: &Pose3) -> ReferenceOverlap {
     overlap_at(a, b, pose.rotation.as_dquat().normalize(), pose.translation.as_dvec3())

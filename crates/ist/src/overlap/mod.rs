@@ -28,7 +28,7 @@ pub use workspace::OverlapWorkspace;
 /// Forces are for a stiffness of 1 N/m³; multiply by your own. All fields are zero where nothing overlaps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Overlap {
-    /// Penetration volume (m³), from the balls of volume radius.
+    /// Penetration volume (m³), from the volume balls, see [`InnerSphere::volume_ball`](crate::InnerSphere::volume_ball).
     pub volume: f32,
     /// Centroid of the penetration volume (m).
     pub centroid: Vec3,

@@ -17,7 +17,7 @@ pub(super) trait PairSink {
     fn take<S: Simd>(&mut self, simd: S, pairs: &PairBuffer);
 }
 
-/// Hands every pair of overlapping balls of volume radius to `sink`, each once, in an order that depends on
+/// Hands every pair of overlapping volume balls to `sink`, each once, in an order that depends on
 /// the trees and the pose only.
 #[inline(always)]
 pub(super) fn for_each_pair<S: Simd>(

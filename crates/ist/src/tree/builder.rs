@@ -54,7 +54,7 @@ fn longest_axis(points: impl Iterator<Item = [f32; 3]>) -> usize {
     (upper - lower).max_position()
 }
 
-/// All levels over `spheres`, from the balls of volume radius up to the single ball around everything.
+/// All levels over `spheres`, from the volume balls up to the single ball around everything.
 pub(super) fn wrapped_levels<'a>(spheres: impl Iterator<Item = &'a InnerSphere>) -> Vec<Balls> {
     let leaves = Balls::new(spheres.map(InnerSphere::volume_ball));
     let count = leaves.len();
