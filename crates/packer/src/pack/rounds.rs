@@ -11,7 +11,7 @@
 //! What was chosen, and what it is worth:
 //!
 //! - Buckets of cells instead of a queue of single cells: all places of a round are searched in parallel. Two threads
-//!   are 1.8 to 1.9 times as fast as one, and 10,000 balls of a gear of 14,800 triangles take 1.9 s, 100,000 13 s; exact
+//!   are 1.8 to 1.9 times as fast as one, and 10,000 balls of a gear of 14,800 triangles take 1.9 s, 100,000 15 s; exact
 //!   greedy packing of comparable meshes with 10,000 balls took 28 to 81 s on one thread.
 //! - Cells keep the place that their last search found, and search again only when a new ball covers it. For 10,000
 //!   balls of the gear there were 38 searches a ball, of 3.4 evaluations each.
