@@ -48,7 +48,7 @@ impl InnerSphere {
     ///
     /// | balls | error |
     /// |---|---|
-    /// | inner | 59 / 37 / 26 % |
+    /// | inner | 59 / 38 / 27 % |
     /// | of the cells' volume, about the inner centres | 3.0 / 0.7 / 0.7 % |
     /// | of the cells' volume, about the cells' centroids | 1.2 / 0.4 / 0.1 % |
     /// | … as far as the inner ball stays inside | 1.5 / 0.5 / 0.2 % |

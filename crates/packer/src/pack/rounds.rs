@@ -38,7 +38,8 @@ pub(super) const FALL: f64 = 0.9;
 const ROOT_CELLS: f64 = 12.0;
 /// Cells that one task visits; small enough to share out the work of the first rounds.
 const CHUNK: usize = 32;
-/// Leaves that a pass looks at: the assets filled the same with and without this bound, to 0.1 points.
+/// Leaves that a pass looks at. Without this bound the assets get the same 3,000 balls, and at 10,000 up to 0.03 points
+/// more.
 const PASS: usize = 1 << 18;
 /// Levels of a cell that are refined as one task. A choice.
 const LEVELS: u32 = 4;
