@@ -19,6 +19,7 @@ use glam::Vec3;
 use glamx::Pose3;
 use relative_pose::RelativePose;
 pub use samples::ContactSample;
+use samples::LensSink;
 use totals::{Totals, TotalsSink};
 use traversal::for_each_pair;
 pub use workspace::OverlapWorkspace;
@@ -86,7 +87,9 @@ impl InnerSphereTree {
         let trees = (self.data(), other.data());
         let mut lenses = core::mem::take(&mut workspace.lenses);
         lenses.clear(trees.0, trees.1);
-        dispatch!(Level::new(), simd => for_each_pair(simd, trees, &pose, workspace, &mut lenses));
+        let leaves_a = (&*trees.0.levels[0].blocks, pose.skin_a);
+        let mut sink = LensSink { lenses: &mut lenses, leaves_a };
+        dispatch!(Level::new(), simd => for_each_pair(simd, trees, &pose, workspace, &mut sink));
         lenses.append_samples(trees, &pose, self.scale(), samples);
         workspace.lenses = lenses;
     }

@@ -1,10 +1,10 @@
 //! The sums that an overlap result is made of.
 
-use super::lens_lanes::{Lanes3, LensLanes};
+use super::lens_lanes::{Lanes3, LensLanes, PairLanes};
 use super::pairs::PairBuffer;
 use super::relative_pose::RelativePose;
 use super::traversal::PairSink;
-use crate::tree::{TreeData, WIDTH};
+use crate::tree::{BallBlock, TreeData, WIDTH};
 use fearless_simd::{Simd, f32x8, prelude::*};
 use glam::{DVec3, Mat3, Vec3};
 
@@ -54,8 +54,8 @@ impl<'a> TotalsSink<'a> {
             (tree.inner_center[index], tree.inner_radius[index])
         };
         (0..pairs.len()).any(|i| {
-            let (center_a, radius_a) = ball(self.a, pairs.a.index[i]);
-            let (center_b, radius_b) = ball(self.b, pairs.b.index[i]);
+            let (center_a, radius_a) = ball(self.a, pairs.a[i]);
+            let (center_b, radius_b) = ball(self.b, pairs.b[i]);
             let reach = radius_a + radius_b * self.pose.scale;
             center_a.distance_squared(self.pose.transform_point(center_b)) < reach * reach
         })
@@ -64,18 +64,20 @@ impl<'a> TotalsSink<'a> {
 
 impl PairSink for TotalsSink<'_> {
     #[inline(always)]
-    fn take<S: Simd>(&mut self, simd: S, pairs: &PairBuffer) {
+    fn take<S: Simd>(&mut self, simd: S, pairs: &PairBuffer, placed: &[BallBlock]) {
+        let leaves_a = (&*self.a.levels[0].blocks, self.pose.skin_a);
         let (mut volume, mut moment) = (f32x8::splat(simd, 0.0), Lanes3::zero(simd));
         let mut gradient = WrenchLanes::zero(simd);
         let (mut normals_a, mut normals_b) = (gradient, gradient);
         for first in (0..pairs.len()).step_by(WIDTH) {
-            let lens = LensLanes::new(simd, pairs, first);
+            let balls = PairLanes::gather(simd, pairs, first, leaves_a, placed);
+            let lens = LensLanes::new(simd, &balls);
             volume += lens.volume;
             moment = moment.plus(lens.moment);
-            gradient.add(lens.axis, lens.area, lens.center_a.scale(lens.area));
-            let of_a = gather(simd, &self.a.normals, &pairs.a.index[first..first + WIDTH]);
+            gradient.add(lens.axis, lens.area, balls.center_a.scale(lens.area));
+            let of_a = gather(simd, &self.a.normals, &pairs.a[first..first + WIDTH]);
             normals_a.add(of_a, lens.volume, lens.moment);
-            let of_b = gather(simd, &self.b.normals, &pairs.b.index[first..first + WIDTH]);
+            let of_b = gather(simd, &self.b.normals, &pairs.b[first..first + WIDTH]);
             normals_b.add(of_b.rotate(&self.pose.rotation), lens.volume, lens.moment);
         }
         let meet = self.totals.inner_balls_meet || self.inner_balls_meet(pairs);
@@ -117,10 +119,11 @@ impl<S: Simd> WrenchLanes<S> {
     }
 }
 
-/// Eight vectors of `normals`.
+/// The normals at the eight positions of `index`.
 #[inline(always)]
 fn gather<S: Simd>(simd: S, normals: &[Vec3], index: &[u32]) -> Lanes3<S> {
-    let lanes = |axis: usize| f32x8::from_fn(simd, |lane| normals[index[lane] as usize][axis]);
+    let normal: [&Vec3; WIDTH] = core::array::from_fn(|lane| &normals[index[lane] as usize]);
+    let lanes = |axis: usize| f32x8::from_fn(simd, |lane| normal[lane][axis]);
     Lanes3 { x: lanes(0), y: lanes(1), z: lanes(2) }
 }
 

@@ -6,15 +6,14 @@
 
 use super::pairs::PairBuffer;
 use super::relative_pose::RelativePose;
-use super::workspace::{Block, Candidates, OverlapWorkspace};
-use crate::tree::{TreeData, WIDTH};
+use super::workspace::{Candidates, OverlapWorkspace, Siblings};
+use crate::tree::{BallBlock, TreeData, WIDTH};
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
 
 /// Takes the overlapping pairs, a batch at a time.
 pub(super) trait PairSink {
-    /// Called with at least one pair; lanes behind the last pair up to a whole block are padding that
-    /// overlaps nothing.
-    fn take<S: Simd>(&mut self, simd: S, pairs: &PairBuffer);
+    /// Called with at least one pair; `placed` holds the leaves of B in A's frame.
+    fn take<S: Simd>(&mut self, simd: S, pairs: &PairBuffer, placed: &[BallBlock]);
 }
 
 /// Hands every pair of overlapping volume balls to `sink`, each once, in an order that depends on
@@ -28,41 +27,54 @@ pub(super) fn for_each_pair<S: Simd>(
     sink: &mut impl PairSink,
 ) {
     workspace.fit(a, b);
-    let OverlapWorkspace { near, children, blocks, pairs, .. } = workspace;
+    let OverlapWorkspace { near, children, blocks, placed, pairs, .. } = workspace;
     let top = b.height();
-    blocks[top] = pose.transform_block(simd, b.root(), 0);
-    let ball = Ball::of(simd, &blocks[top], 0);
+    let place = |level: usize, block: usize| pose.place(simd, &b.levels[level].blocks[block]);
+    let root = place(top, 0);
     let a = Skinned { data: a, skin: pose.skin_a };
-    descend_alone(simd, (a, top), &ball, &mut near[top], &mut children[top]);
+    descend_alone(simd, (a, top), &Ball::of(simd, &root, 0), &mut near[top], &mut children[top]);
+    if top == 0 {
+        placed[0] = root;
+        append_pairs(simd, &children[0], (placed, 0), pairs, sink);
+        return flush(simd, pairs, placed, sink);
+    }
+    blocks[top] = Siblings { balls: root, next: 0, end: 1 };
     let mut level = top;
     loop {
-        let block = &mut blocks[level];
-        if block.next == block.end || children[level].len == 0 {
+        let siblings = &mut blocks[level];
+        if siblings.next == siblings.end || children[level].len == 0 {
             if level == top {
                 break;
             }
             level += 1;
             continue;
         }
-        let node = block.next;
-        block.next += 1;
-        let ball = Ball::of(simd, block, node % WIDTH);
-        if level == 0 {
-            append_pairs(simd, &children[0], (ball, node), pairs, sink);
-            continue;
-        }
+        let node = siblings.next;
+        siblings.next += 1;
+        let ball = Ball::of(simd, &siblings.balls, node % WIDTH);
+        let below = level - 1;
         near[level].len = 0;
         keep_touching(simd, &children[level], &ball, &mut near[level]);
-        level -= 1;
-        children[level].len = 0;
-        if level < a.data.height() {
-            expand(simd, a, (&near[level + 1], level), &ball, &mut children[level]);
+        children[below].len = 0;
+        if below < a.data.height() {
+            expand(simd, a, (&near[level], below), &ball, &mut children[below]);
         } else {
-            keep_touching(simd, &near[level + 1], &ball, &mut children[level]);
+            keep_touching(simd, &near[level], &ball, &mut children[below]);
         }
-        blocks[level] = pose.transform_block(simd, &b.levels[level], node * WIDTH);
+        if children[below].len == 0 {
+            continue;
+        }
+        let balls = place(below, node);
+        if below == 0 {
+            placed[node] = balls;
+            append_pairs(simd, &children[0], (placed, node), pairs, sink);
+        } else {
+            let end = b.levels[below].len().min((node + 1) * WIDTH);
+            blocks[below] = Siblings { balls, next: node * WIDTH, end };
+            level = below;
+        }
     }
-    flush(simd, pairs, sink);
+    flush(simd, pairs, placed, sink);
 }
 
 /// Fills `list` with A's balls of level `down_to` (or of the root, if that is lower) that meet `ball`.
@@ -103,7 +115,7 @@ struct Ball<S: Simd> {
 
 impl<S: Simd> Ball<S> {
     #[inline(always)]
-    fn of(simd: S, block: &Block, lane: usize) -> Self {
+    fn of(simd: S, block: &BallBlock, lane: usize) -> Self {
         Self {
             x: f32x8::splat(simd, block.x[lane]),
             y: f32x8::splat(simd, block.y[lane]),
@@ -125,15 +137,15 @@ struct BlockLanes<S: Simd> {
 
 impl<S: Simd> BlockLanes<S> {
     #[inline(always)]
-    fn load(simd: S, tree: Skinned, level: usize, first: usize) -> Self {
-        let balls = &tree.data.levels[level];
-        let load = |array: &[f32]| f32x8::from_slice(simd, &array[first..first + WIDTH]);
+    fn load(simd: S, tree: Skinned, level: usize, block: usize) -> Self {
+        let balls = &tree.data.levels[level].blocks[block];
+        let load = |array: [f32; WIDTH]| f32x8::load_array(simd, array);
         Self {
-            x: load(&balls.x),
-            y: load(&balls.y),
-            z: load(&balls.z),
-            radius: load(&balls.radius) + tree.skin,
-            index: u32x8::load_array(simd, [0, 1, 2, 3, 4, 5, 6, 7]) + first as u32,
+            x: load(balls.x),
+            y: load(balls.y),
+            z: load(balls.z),
+            radius: load(balls.radius) + tree.skin,
+            index: u32x8::load_array(simd, [0, 1, 2, 3, 4, 5, 6, 7]) + (block * WIDTH) as u32,
         }
     }
 
@@ -181,9 +193,7 @@ fn keep_touching<S: Simd>(simd: S, list: &Candidates, ball: &Ball<S>, kept: &mut
     for first in (0..list.len).step_by(WIDTH) {
         let block = BlockLanes::of(simd, list, first);
         let mask = block.touches(ball) & live_lanes(simd, list.len, first);
-        if mask.any_true() {
-            block.append_where(simd, mask, kept);
-        }
+        block.append_where(simd, mask, kept);
     }
 }
 
@@ -197,7 +207,7 @@ fn expand<S: Simd>(
     kept: &mut Candidates,
 ) {
     for parent in &list.index[..list.len] {
-        let block = BlockLanes::load(simd, a, level, *parent as usize * WIDTH);
+        let block = BlockLanes::load(simd, a, level, *parent as usize);
         let mask = block.touches(ball);
         if mask.any_true() {
             block.append_where(simd, mask, kept);
@@ -205,44 +215,39 @@ fn expand<S: Simd>(
     }
 }
 
-/// Appends the pairs of sphere `ball` of B (number `index` of its leaves) with the spheres of `list`.
+/// Appends the pairs of the eight spheres of block `block` of B's leaves with the spheres of `list`.
+///
+/// Nothing here branches on the outcome of a test: about two blocks in three hold a hit, and a wrong guess of the processor
+/// costs more than a store of nothing.
 #[inline(always)]
 fn append_pairs<S: Simd>(
     simd: S,
     list: &Candidates,
-    (ball, index): (Ball<S>, usize),
+    (placed, block): (&[BallBlock], usize),
     pairs: &mut PairBuffer,
     sink: &mut impl PairSink,
 ) {
     for first in (0..list.len).step_by(WIDTH) {
-        let block = BlockLanes::of(simd, list, first);
-        let mask = block.touches(&ball) & live_lanes(simd, list.len, first);
-        if !mask.any_true() {
-            continue;
+        let lanes = BlockLanes::of(simd, list, first);
+        let live = live_lanes(simd, list.len, first);
+        if pairs.lacks_room_for_blocks() {
+            flush(simd, pairs, placed, sink);
         }
-        if pairs.is_full() {
-            flush(simd, pairs, sink);
+        for lane in 0..WIDTH {
+            let mask = lanes.touches(&Ball::of(simd, &placed[block], lane)) & live;
+            let at = pairs.len()..pairs.len() + WIDTH;
+            simd.compress_u32x8(lanes.index, mask).store_slice(&mut pairs.a[at.clone()]);
+            u32x8::splat(simd, (block * WIDTH + lane) as u32).store_slice(&mut pairs.b[at]);
+            pairs.advance(mask.to_bitmask().count_ones() as usize);
         }
-        let at = pairs.len()..pairs.len() + WIDTH;
-        simd.compress_f32x8(block.x, mask).store_slice(&mut pairs.a.x[at.clone()]);
-        simd.compress_f32x8(block.y, mask).store_slice(&mut pairs.a.y[at.clone()]);
-        simd.compress_f32x8(block.z, mask).store_slice(&mut pairs.a.z[at.clone()]);
-        simd.compress_f32x8(block.radius, mask).store_slice(&mut pairs.a.radius[at.clone()]);
-        simd.compress_u32x8(block.index, mask).store_slice(&mut pairs.a.index[at.clone()]);
-        ball.x.store_slice(&mut pairs.b.x[at.clone()]);
-        ball.y.store_slice(&mut pairs.b.y[at.clone()]);
-        ball.z.store_slice(&mut pairs.b.z[at.clone()]);
-        ball.radius.store_slice(&mut pairs.b.radius[at.clone()]);
-        u32x8::splat(simd, index as u32).store_slice(&mut pairs.b.index[at]);
-        pairs.advance(mask.to_bitmask().count_ones() as usize);
     }
 }
 
 #[inline(always)]
-fn flush<S: Simd>(simd: S, pairs: &mut PairBuffer, sink: &mut impl PairSink) {
+fn flush<S: Simd>(simd: S, pairs: &mut PairBuffer, placed: &[BallBlock], sink: &mut impl PairSink) {
     if pairs.len() > 0 {
         pairs.pad();
-        sink.take(simd, pairs);
+        sink.take(simd, pairs, placed);
         pairs.clear();
     }
 }

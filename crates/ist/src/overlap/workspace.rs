@@ -2,7 +2,7 @@
 
 use super::pairs::PairBuffer;
 use super::samples::Lenses;
-use crate::tree::{TreeData, WIDTH};
+use crate::tree::{BallBlock, TreeData, WIDTH};
 use alloc::vec::Vec;
 
 /// Scratch memory of an overlap query; keep one per thread and hand it to every query.
@@ -16,7 +16,9 @@ pub struct OverlapWorkspace {
     /// Per level of B's tree: children of the level above's `near` that meet the ball above.
     pub(super) children: Vec<Candidates>,
     /// Per level of B's tree: the current block of B in A's frame.
-    pub(super) blocks: Vec<Block>,
+    pub(super) blocks: Vec<Siblings>,
+    /// Leaves of B in A's frame, as far as they were needed.
+    pub(super) placed: Vec<BallBlock>,
     pub(super) pairs: PairBuffer,
     pub(super) lenses: Lenses,
 }
@@ -33,15 +35,16 @@ pub(super) struct Candidates {
 }
 
 /// Up to eight siblings of B, transformed into A's frame.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Block {
-    pub(super) x: [f32; WIDTH],
-    pub(super) y: [f32; WIDTH],
-    pub(super) z: [f32; WIDTH],
-    pub(super) radius: [f32; WIDTH],
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Siblings {
+    pub(super) balls: BallBlock,
     /// Index in its level of the next sibling to visit, and one past the last.
     pub(super) next: usize,
     pub(super) end: usize,
+}
+
+impl Siblings {
+    const NONE: Self = Self { balls: BallBlock::FAR, next: 0, end: 0 };
 }
 
 impl OverlapWorkspace {
@@ -51,12 +54,15 @@ impl OverlapWorkspace {
         if self.near.len() < levels {
             self.near.resize_with(levels, Candidates::default);
             self.children.resize_with(levels, Candidates::default);
-            self.blocks.resize_with(levels, Block::default);
+            self.blocks.resize(levels, Siblings::NONE);
         }
         for level in 0..levels {
-            let most = a.levels[level.min(a.height())].x.len();
+            let most = a.levels[level.min(a.height())].blocks.len() * WIDTH;
             self.near[level].fit(most);
             self.children[level].fit(most);
+        }
+        if self.placed.len() < b.levels[0].blocks.len() {
+            self.placed.resize(b.levels[0].blocks.len(), BallBlock::FAR);
         }
         self.pairs.clear();
     }

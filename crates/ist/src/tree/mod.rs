@@ -13,7 +13,7 @@ use crate::{SolidProperties, SpherePacking};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use glam::Vec3;
-pub(crate) use levels::Balls;
+pub(crate) use levels::{BallBlock, Balls};
 
 /// Children per node: the width of one AVX register of f32.
 pub(crate) const WIDTH: usize = 8;
