@@ -48,7 +48,9 @@ mod sphere;
 mod tree;
 
 pub use file::{FileError, Provenance};
-pub use overlap::{ContactSample, ForceLaw, Overlap, OverlapWorkspace, SurfaceDistance};
+pub use overlap::{
+    ContactSample, DeepestPair, ForceLaw, Overlap, OverlapQuery, OverlapWorkspace, Stiffness, SurfaceDistance,
+};
 pub use packing::{PackingError, SpherePacking};
 pub use solid::SolidProperties;
 pub use sphere::InnerSphere;

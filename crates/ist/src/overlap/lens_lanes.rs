@@ -100,6 +100,12 @@ pub(super) struct LensLanes<S: Simd> {
     pub(super) axis: Lanes3<S>,
     /// First moment of the lens about A's origin, that is volume times centroid.
     pub(super) moment: Lanes3<S>,
+    /// Depth of the overlap along the axis, at most the diameter of the smaller ball.
+    pub(super) depth: f32x8<S>,
+    /// V'/d, with V' = −area the derivative of the volume by the distance d; zero for concentric balls.
+    pub(super) transverse: f32x8<S>,
+    /// V'' − V'/d; zero for concentric balls.
+    pub(super) longitudinal: f32x8<S>,
 }
 
 /// Distance of two centres, relative to the sum of the radii, below which balls count as concentric.
@@ -113,7 +119,8 @@ impl<S: Simd> LensLanes<S> {
         let zero = f32x8::splat(simd, 0.0);
         let sum = a + b;
         // Concentric balls: any small positive distance gives the same clamped heights.
-        let d = delta.dot(delta).sqrt().max(sum * CONCENTRIC + f32::MIN_POSITIVE);
+        let (distance, concentric) = (delta.dot(delta).sqrt(), sum * CONCENTRIC + f32::MIN_POSITIVE);
+        let d = distance.max(concentric);
         let inverse = f32x8::splat(simd, 1.0) / d;
         let axis = delta.scale(inverse);
         let h = live.select(sum - d, zero);
@@ -124,6 +131,19 @@ impl<S: Simd> LensLanes<S> {
         let cap_b = h_b * h_b * (b * 3.0 - h_b) * (PI / 3.0);
         let volume = h_a * h_a * (a * 3.0 - h_a) * (PI / 3.0) + cap_b;
         let along = (chord_a * chord_a - chord_b * chord_b) * (PI / 4.0) + d * cap_b;
-        Self { volume, area: chord_a * PI, axis, moment: center_a.scale(volume).add_scaled(along, axis) }
+        let area = chord_a * PI;
+        // The disc is at a − h_a from A's centre and at b − h_b from B's; contained balls have none.
+        let disc = chord_a.simd_gt(zero) & distance.simd_gt(concentric);
+        let transverse = disc.select(zero - area * inverse, zero);
+        let second = disc.select((a - h_a) * (b - h_b) * inverse * (2.0 * PI), zero);
+        Self {
+            volume,
+            area,
+            axis,
+            moment: center_a.scale(volume).add_scaled(along, axis),
+            depth: h.min(a * 2.0).min(b * 2.0),
+            transverse,
+            longitudinal: second - transverse,
+        }
     }
 }

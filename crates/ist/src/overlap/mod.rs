@@ -4,8 +4,10 @@ mod caps;
 mod force_law;
 mod lens_lanes;
 mod pairs;
+mod query;
 mod relative_pose;
 mod samples;
+mod stiffness;
 mod totals;
 mod traversal;
 mod workspace;
@@ -17,9 +19,11 @@ use fearless_simd::{Level, dispatch};
 pub use force_law::ForceLaw;
 use glam::Vec3;
 use glamx::Pose3;
+pub use query::OverlapQuery;
 use relative_pose::RelativePose;
 pub use samples::ContactSample;
 use samples::LensSink;
+pub use stiffness::Stiffness;
 use totals::{Totals, TotalsSink};
 use traversal::for_each_pair;
 pub use workspace::OverlapWorkspace;
@@ -41,10 +45,23 @@ pub struct Overlap {
     pub force: Vec3,
     /// Torque on B about [`Self::centroid`] (N·m for 1 N/m³) by the force law; A feels the opposite.
     pub torque: Vec3,
+    /// How the wrench of the volume's gradient answers to displacements of B, if [`OverlapQuery::stiffness`] asked for it.
+    pub stiffness: Option<Stiffness>,
+    /// The deepest of the overlapping pairs of spheres, where there is one.
+    pub deepest: Option<DeepestPair>,
     /// Overlapping pairs of spheres.
     pub pairs: u32,
     /// Whether two certified inner balls meet: never true for solids that are apart.
     pub intersects: bool,
+}
+
+/// Two overlapping spheres.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DeepestPair {
+    /// Indices of the spheres in the packings of A and B.
+    pub spheres: [usize; 2],
+    /// How far their volume balls overlap along the line of their centres (m), at most the diameter of the smaller one.
+    pub depth: f32,
 }
 
 impl InnerSphereTree {
@@ -55,23 +72,25 @@ impl InnerSphereTree {
     /// where the pose is not finite or its quaternion far from unit length.
     #[must_use]
     pub fn overlap(&self, other: &Self, pose: &Pose3, workspace: &mut OverlapWorkspace) -> Overlap {
-        self.overlap_with_law(other, pose, ForceLaw::Blended, workspace)
+        self.overlap_with(other, pose, OverlapQuery::default(), workspace)
     }
 
-    /// As [`Self::overlap`], with the force of `law`.
+    /// As [`Self::overlap`], as `query` says.
     #[must_use]
-    pub fn overlap_with_law(
+    pub fn overlap_with(
         &self,
         other: &Self,
         pose: &Pose3,
-        law: ForceLaw,
+        query: OverlapQuery,
         workspace: &mut OverlapWorkspace,
     ) -> Overlap {
         let Some(pose) = RelativePose::new(self, other, pose) else { return Overlap::default() };
-        let trees = (self.data(), other.data());
-        let mut sink = TotalsSink::new(trees, &pose);
-        dispatch!(Level::new(), simd => for_each_pair(simd, trees, &pose, workspace, &mut sink));
-        Overlap::new(&sink.totals, law, self.scale())
+        let totals = if query.stiffness {
+            totals::<true>(self, other, &pose, workspace)
+        } else {
+            totals::<false>(self, other, &pose, workspace)
+        };
+        Overlap::new(&totals, query, [self, other])
     }
 
     /// The overlap of this solid (A) with `other` (B) as one sample per overlapping pair of spheres, in A's
@@ -95,17 +114,31 @@ impl InnerSphereTree {
     }
 }
 
+/// Sums over all pairs of overlapping spheres of `a` and `b`.
+fn totals<const STIFFNESS: bool>(
+    a: &InnerSphereTree,
+    b: &InnerSphereTree,
+    pose: &RelativePose,
+    workspace: &mut OverlapWorkspace,
+) -> Totals {
+    let trees = (a.data(), b.data());
+    let mut sink = TotalsSink::<STIFFNESS>::new(trees, pose);
+    dispatch!(Level::new(), simd => for_each_pair(simd, trees, pose, workspace, &mut sink));
+    sink.totals
+}
+
 impl Overlap {
-    /// From sums in A's unscaled frame, for A at `scale`.
-    fn new(totals: &Totals, law: ForceLaw, scale: f32) -> Self {
+    /// From sums in the unscaled frame of `a`.
+    fn new(totals: &Totals, query: OverlapQuery, [a, b]: [&InnerSphereTree; 2]) -> Self {
         if totals.volume <= 0.0 {
             return Self { pairs: totals.pairs, intersects: totals.inner_balls_meet, ..Self::default() };
         }
-        let scale = f64::from(scale);
+        let scale = f64::from(a.scale());
         let (scale2, scale3) = (scale * scale, scale * scale * scale);
         let centroid = totals.moment / totals.volume;
         let about_centroid = |wrench: &totals::WrenchSum| wrench.torque - centroid.cross(wrench.force);
-        let wrench = law.wrench(totals);
+        let wrench = query.law.wrench(totals);
+        let [in_a, in_b] = totals.deepest.spheres;
         Self {
             volume: (totals.volume * scale3) as f32,
             centroid: (centroid * scale).as_vec3(),
@@ -113,11 +146,20 @@ impl Overlap {
             rotation_gradient: (about_centroid(&totals.gradient) * -scale3).as_vec3(),
             force: (wrench.force * scale3).as_vec3(),
             torque: (about_centroid(&wrench) * (scale3 * scale)).as_vec3(),
+            stiffness: query
+                .stiffness
+                .then(|| totals.stiffness.about(centroid, totals.gradient.force, scale)),
+            deepest: Some(DeepestPair {
+                spheres: [a.packing_index(in_a as usize), b.packing_index(in_b as usize)],
+                depth: totals.deepest.depth * a.scale(),
+            }),
             pairs: totals.pairs,
             intersects: totals.inner_balls_meet,
         }
     }
 }
 
+#[cfg(test)]
+mod stiffness_tests;
 #[cfg(test)]
 mod tests;
