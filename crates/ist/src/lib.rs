@@ -39,6 +39,7 @@
 extern crate alloc;
 
 mod file;
+mod grid;
 pub mod lens;
 mod overlap;
 mod packing;
@@ -48,8 +49,10 @@ mod sphere;
 mod tree;
 
 pub use file::{FileError, Provenance};
+pub use grid::SphereGrid;
 pub use overlap::{
-    ContactSample, DeepestPair, ForceLaw, Overlap, OverlapQuery, OverlapWorkspace, Stiffness, SurfaceDistance,
+    ContactSample, DeepestPair, Engine, ForceLaw, Overlap, OverlapQuery, OverlapWorkspace, Stiffness,
+    SurfaceDistance,
 };
 pub use packing::{PackingError, SpherePacking};
 pub use solid::SolidProperties;

@@ -2,6 +2,9 @@
 
 mod caps;
 mod force_law;
+mod grid_engine;
+mod grid_search;
+mod lanes;
 mod lens_lanes;
 mod pairs;
 mod query;
@@ -19,7 +22,7 @@ use fearless_simd::{Level, dispatch};
 pub use force_law::ForceLaw;
 use glam::Vec3;
 use glamx::Pose3;
-pub use query::OverlapQuery;
+pub use query::{Engine, OverlapQuery};
 use relative_pose::RelativePose;
 pub use samples::ContactSample;
 use samples::LensSink;
@@ -86,9 +89,9 @@ impl InnerSphereTree {
     ) -> Overlap {
         let Some(pose) = RelativePose::new(self, other, pose) else { return Overlap::default() };
         let totals = if query.stiffness {
-            totals::<true>(self, other, &pose, workspace)
+            totals::<true>([self, other], &pose, query.engine, workspace)
         } else {
-            totals::<false>(self, other, &pose, workspace)
+            totals::<false>([self, other], &pose, query.engine, workspace)
         };
         Overlap::new(&totals, query, [self, other])
     }
@@ -114,14 +117,17 @@ impl InnerSphereTree {
     }
 }
 
-/// Sums over all pairs of overlapping spheres of `a` and `b`.
+/// Sums over all pairs of overlapping spheres.
 fn totals<const STIFFNESS: bool>(
-    a: &InnerSphereTree,
-    b: &InnerSphereTree,
+    [a, b]: [&InnerSphereTree; 2],
     pose: &RelativePose,
+    engine: Engine,
     workspace: &mut OverlapWorkspace,
 ) -> Totals {
     let trees = (a.data(), b.data());
+    if let Some(grids) = engine.grids([a, b], pose) {
+        return grid_engine::totals::<STIFFNESS>(trees, grids, workspace);
+    }
     let mut sink = TotalsSink::<STIFFNESS>::new(trees, pose);
     dispatch!(Level::new(), simd => for_each_pair(simd, trees, pose, workspace, &mut sink));
     sink.totals
@@ -159,6 +165,8 @@ impl Overlap {
     }
 }
 
+#[cfg(test)]
+mod grid_tests;
 #[cfg(test)]
 mod stiffness_tests;
 #[cfg(test)]

@@ -15,12 +15,12 @@ pub(super) struct RelativePose {
     pub(super) rotation: Mat3,
     /// Rotation times relative scale.
     linear: Mat3,
-    translation: Vec3,
+    pub(super) translation: Vec3,
     /// Scale of B relative to A.
     pub(super) scale: f32,
     /// Skins of A and B, in A's unscaled frame.
     pub(super) skin_a: f32,
-    skin_b: f32,
+    pub(super) skin_b: f32,
 }
 
 impl RelativePose {

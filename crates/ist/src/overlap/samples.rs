@@ -6,9 +6,8 @@
 //! over, continuously.
 
 use super::lens_lanes::{LensLanes, PairLanes};
-use super::pairs::PairBuffer;
+use super::pairs::{PairBuffer, PairSink};
 use super::relative_pose::RelativePose;
-use super::traversal::PairSink;
 use crate::tree::{BallBlock, TreeData, WIDTH};
 use alloc::vec::Vec;
 use fearless_simd::Simd;

@@ -7,7 +7,8 @@ use crate::tree::tests::random_packing;
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 
-const STIFF: OverlapQuery = OverlapQuery { law: ForceLaw::VolumeGradient, stiffness: true };
+const STIFF: OverlapQuery =
+    OverlapQuery { law: ForceLaw::VolumeGradient, stiffness: true, engine: Engine::Tree };
 
 /// Gradient of the reference's volume by translation and by rotation about `pivot`, with B displaced by
 /// a translation and a rotation vector about it.

@@ -1,10 +1,9 @@
 //! The sums that an overlap result is made of.
 
 use super::lens_lanes::{Lanes3, LensLanes, PairLanes};
-use super::pairs::PairBuffer;
+use super::pairs::{PairBuffer, PairSink};
 use super::relative_pose::RelativePose;
 use super::stiffness::{StiffnessLanes, StiffnessSum};
-use super::traversal::PairSink;
 use crate::tree::{BallBlock, TreeData, WIDTH};
 use fearless_simd::{Simd, f32x8, prelude::*, u32x8};
 use glam::{DVec3, Mat3, Vec3};

@@ -4,17 +4,12 @@
 //! meets, on B's own level. A list is filtered by the ball above before its eight children filter it each, so
 //! that most tests run on dense arrays. Both trees descend in step; the taller one starts alone.
 
-use super::pairs::PairBuffer;
+use super::lanes::{Ball, BlockLanes, live_lanes};
+use super::pairs::{Lanes, PairSink};
 use super::relative_pose::RelativePose;
 use super::workspace::{Candidates, OverlapWorkspace, Siblings};
-use crate::tree::{BallBlock, TreeData, WIDTH};
-use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
-
-/// Takes the overlapping pairs, a batch at a time.
-pub(super) trait PairSink {
-    /// Called with at least one pair; `placed` holds the leaves of B in A's frame.
-    fn take<S: Simd>(&mut self, simd: S, pairs: &PairBuffer, placed: &[BallBlock]);
-}
+use crate::tree::{TreeData, WIDTH};
+use fearless_simd::{Simd, prelude::*};
 
 /// Hands every pair of overlapping volume balls to `sink`, each once, in an order that depends on
 /// the trees and the pose only.
@@ -35,8 +30,8 @@ pub(super) fn for_each_pair<S: Simd>(
     descend_alone(simd, (a, top), &Ball::of(simd, &root, 0), &mut near[top], &mut children[top]);
     if top == 0 {
         placed[0] = root;
-        append_pairs(simd, &children[0], (placed, 0), pairs, sink);
-        return flush(simd, pairs, placed, sink);
+        pairs.append(simd, &children[0], &Lanes::block_of_b(placed, 0), (placed, sink));
+        return pairs.flush(simd, placed, sink);
     }
     blocks[top] = Siblings { balls: root, next: 0, end: 1 };
     let mut level = top;
@@ -67,14 +62,14 @@ pub(super) fn for_each_pair<S: Simd>(
         let balls = place(below, node);
         if below == 0 {
             placed[node] = balls;
-            append_pairs(simd, &children[0], (placed, node), pairs, sink);
+            pairs.append(simd, &children[0], &Lanes::block_of_b(placed, node), (placed, sink));
         } else {
             let end = b.levels[below].len().min((node + 1) * WIDTH);
             blocks[below] = Siblings { balls, next: node * WIDTH, end };
             level = below;
         }
     }
-    flush(simd, pairs, placed, sink);
+    pairs.flush(simd, placed, sink);
 }
 
 /// Fills `list` with A's balls of level `down_to` (or of the root, if that is lower) that meet `ball`.
@@ -88,7 +83,7 @@ fn descend_alone<S: Simd>(
 ) {
     spare.len = 0;
     list.len = 0;
-    let root = BlockLanes::load(simd, a, a.data.height(), 0);
+    let root = a.block(simd, a.data.height(), 0);
     root.append_where(simd, root.touches(ball), list);
     for level in (down_to..a.data.height()).rev() {
         core::mem::swap(spare, list);
@@ -104,87 +99,11 @@ struct Skinned<'a> {
     skin: f32,
 }
 
-/// One ball of B in A's frame, in every lane.
-#[derive(Clone, Copy)]
-struct Ball<S: Simd> {
-    x: f32x8<S>,
-    y: f32x8<S>,
-    z: f32x8<S>,
-    radius: f32x8<S>,
-}
-
-impl<S: Simd> Ball<S> {
+impl Skinned<'_> {
     #[inline(always)]
-    fn of(simd: S, block: &BallBlock, lane: usize) -> Self {
-        Self {
-            x: f32x8::splat(simd, block.x[lane]),
-            y: f32x8::splat(simd, block.y[lane]),
-            z: f32x8::splat(simd, block.z[lane]),
-            radius: f32x8::splat(simd, block.radius[lane]),
-        }
+    fn block<S: Simd>(self, simd: S, level: usize, block: usize) -> BlockLanes<S> {
+        BlockLanes::new(simd, &self.data.levels[level].blocks[block], self.skin, block * WIDTH)
     }
-}
-
-/// Eight balls of A.
-#[derive(Clone, Copy)]
-struct BlockLanes<S: Simd> {
-    x: f32x8<S>,
-    y: f32x8<S>,
-    z: f32x8<S>,
-    radius: f32x8<S>,
-    index: u32x8<S>,
-}
-
-impl<S: Simd> BlockLanes<S> {
-    #[inline(always)]
-    fn load(simd: S, tree: Skinned, level: usize, block: usize) -> Self {
-        let balls = &tree.data.levels[level].blocks[block];
-        let load = |array: [f32; WIDTH]| f32x8::load_array(simd, array);
-        Self {
-            x: load(balls.x),
-            y: load(balls.y),
-            z: load(balls.z),
-            radius: load(balls.radius) + tree.skin,
-            index: u32x8::load_array(simd, [0, 1, 2, 3, 4, 5, 6, 7]) + (block * WIDTH) as u32,
-        }
-    }
-
-    #[inline(always)]
-    fn of(simd: S, list: &Candidates, first: usize) -> Self {
-        let load = |array: &[f32]| f32x8::from_slice(simd, &array[first..first + WIDTH]);
-        Self {
-            x: load(&list.x),
-            y: load(&list.y),
-            z: load(&list.z),
-            radius: load(&list.radius),
-            index: u32x8::from_slice(simd, &list.index[first..first + WIDTH]),
-        }
-    }
-
-    #[inline(always)]
-    fn touches(&self, ball: &Ball<S>) -> mask32x8<S> {
-        let (dx, dy, dz) = (self.x - ball.x, self.y - ball.y, self.z - ball.z);
-        let reach = self.radius + ball.radius;
-        (dx * dx + dy * dy + dz * dz).simd_lt(reach * reach)
-    }
-
-    #[inline(always)]
-    fn append_where(&self, simd: S, mask: mask32x8<S>, list: &mut Candidates) {
-        let at = list.len..list.len + WIDTH;
-        simd.compress_f32x8(self.x, mask).store_slice(&mut list.x[at.clone()]);
-        simd.compress_f32x8(self.y, mask).store_slice(&mut list.y[at.clone()]);
-        simd.compress_f32x8(self.z, mask).store_slice(&mut list.z[at.clone()]);
-        simd.compress_f32x8(self.radius, mask).store_slice(&mut list.radius[at.clone()]);
-        simd.compress_u32x8(self.index, mask).store_slice(&mut list.index[at]);
-        list.len += mask.to_bitmask().count_ones() as usize;
-    }
-}
-
-/// Lanes of the block at `first` that hold one of the list's `len` balls.
-#[inline(always)]
-fn live_lanes<S: Simd>(simd: S, len: usize, first: usize) -> mask32x8<S> {
-    let live = (len - first).min(WIDTH);
-    mask32x8::from_bitmask(simd, (1 << live) - 1)
 }
 
 /// Appends to `kept` the balls of `list` that meet `ball`.
@@ -207,47 +126,10 @@ fn expand<S: Simd>(
     kept: &mut Candidates,
 ) {
     for parent in &list.index[..list.len] {
-        let block = BlockLanes::load(simd, a, level, *parent as usize);
+        let block = a.block(simd, level, *parent as usize);
         let mask = block.touches(ball);
         if mask.any_true() {
             block.append_where(simd, mask, kept);
         }
-    }
-}
-
-/// Appends the pairs of the eight spheres of block `block` of B's leaves with the spheres of `list`.
-///
-/// Nothing here branches on the outcome of a test: about two blocks in three hold a hit, and a wrong guess of the processor
-/// costs more than a store of nothing.
-#[inline(always)]
-fn append_pairs<S: Simd>(
-    simd: S,
-    list: &Candidates,
-    (placed, block): (&[BallBlock], usize),
-    pairs: &mut PairBuffer,
-    sink: &mut impl PairSink,
-) {
-    for first in (0..list.len).step_by(WIDTH) {
-        let lanes = BlockLanes::of(simd, list, first);
-        let live = live_lanes(simd, list.len, first);
-        if pairs.lacks_room_for_blocks() {
-            flush(simd, pairs, placed, sink);
-        }
-        for lane in 0..WIDTH {
-            let mask = lanes.touches(&Ball::of(simd, &placed[block], lane)) & live;
-            let at = pairs.len()..pairs.len() + WIDTH;
-            simd.compress_u32x8(lanes.index, mask).store_slice(&mut pairs.a[at.clone()]);
-            u32x8::splat(simd, (block * WIDTH + lane) as u32).store_slice(&mut pairs.b[at]);
-            pairs.advance(mask.to_bitmask().count_ones() as usize);
-        }
-    }
-}
-
-#[inline(always)]
-fn flush<S: Simd>(simd: S, pairs: &mut PairBuffer, placed: &[BallBlock], sink: &mut impl PairSink) {
-    if pairs.len() > 0 {
-        pairs.pad();
-        sink.take(simd, pairs, placed);
-        pairs.clear();
     }
 }

@@ -1,5 +1,6 @@
 //! Memory that queries use again and again.
 
+use super::grid_search::GridScratch;
 use super::pairs::PairBuffer;
 use super::samples::Lenses;
 use crate::tree::{BallBlock, TreeData, WIDTH};
@@ -21,6 +22,7 @@ pub struct OverlapWorkspace {
     pub(super) placed: Vec<BallBlock>,
     pub(super) pairs: PairBuffer,
     pub(super) lenses: Lenses,
+    pub(super) grid: GridScratch,
 }
 
 /// Balls of A in struct-of-arrays order with their index in their level.
@@ -69,15 +71,32 @@ impl OverlapWorkspace {
 }
 
 impl Candidates {
+    pub(super) fn clear(&mut self) {
+        self.len = 0;
+    }
+
+    /// Room for `more` balls behind those in the list, whatever their number was.
+    #[inline(always)]
+    pub(super) fn make_room(&mut self, more: usize) {
+        if self.len + more + WIDTH > self.x.len() {
+            self.grow(2 * (self.len + more) + WIDTH);
+        }
+    }
+
     /// Room for `most` balls and the surplus lanes of a block store behind them.
     fn fit(&mut self, most: usize) {
         let room = most + WIDTH;
         if self.x.len() < room {
-            for array in [&mut self.x, &mut self.y, &mut self.z, &mut self.radius] {
-                array.resize(room, 0.0);
-            }
-            self.index.resize(room, 0);
+            self.grow(room);
         }
         self.len = 0;
+    }
+
+    #[cold]
+    fn grow(&mut self, room: usize) {
+        for array in [&mut self.x, &mut self.y, &mut self.z, &mut self.radius] {
+            array.resize(room, 0.0);
+        }
+        self.index.resize(room, 0);
     }
 }

@@ -9,7 +9,7 @@ mod builder;
 mod enclosing_ball;
 mod levels;
 
-use crate::{SolidProperties, SpherePacking};
+use crate::{SolidProperties, SphereGrid, SpherePacking};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use glam::Vec3;
@@ -28,6 +28,7 @@ pub struct InnerSphereTree {
     scale: f32,
     /// Thickness of the skin (m), not scaled.
     skin: f32,
+    grid: Option<SphereGrid>,
 }
 
 /// What all clones and scaled copies of a tree share; lengths are those of the packing.
@@ -61,7 +62,7 @@ impl InnerSphereTree {
             solid: *packing.solid(),
             packing_index: order,
         };
-        Self { data: Arc::new(data), scale: 1.0, skin: 0.0 }
+        Self { data: Arc::new(data), scale: 1.0, skin: 0.0, grid: None }
     }
 
     /// The same solid `factor` times as large (about the origin of its frame), sharing the hierarchy.
@@ -81,6 +82,19 @@ impl InnerSphereTree {
     #[must_use]
     pub fn with_skin(&self, thickness: f32) -> Option<Self> {
         (thickness >= 0.0 && thickness.is_finite()).then(|| Self { skin: thickness, ..self.clone() })
+    }
+
+    /// The same solid with grids, so that queries can use them, see [`Engine`](crate::Engine).
+    #[must_use]
+    pub fn with_grid(&self) -> Self {
+        let grid = self.grid.clone().unwrap_or_else(|| SphereGrid::new(self));
+        Self { grid: Some(grid), ..self.clone() }
+    }
+
+    /// The grids, if it has them.
+    #[must_use]
+    pub fn grid(&self) -> Option<&SphereGrid> {
+        self.grid.as_ref()
     }
 
     /// Number of spheres, at least one.
