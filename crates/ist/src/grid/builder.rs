@@ -14,7 +14,7 @@ pub(super) const SUBCELL_BITS: u32 = 6;
 const MOST_CELLS: f32 = 5e5;
 
 /// Widest extent of a group's centres, in cells.
-const WIDEST_GROUP: f32 = 1.5;
+const WIDEST_GROUP: f32 = 1.0;
 
 /// Coordinate of the entries behind the last, far from everything.
 const FAR: f32 = 1e30;

@@ -36,13 +36,13 @@ impl CellTable {
 
     /// The entries of `cell`, none if it is empty.
     #[inline(always)]
-    pub(super) fn get(&self, cell: u64) -> Range<usize> {
+    pub(super) fn get(&self, cell: u64) -> Range<u32> {
         let mask = self.slots.len() - 1;
         let mut at = hash(cell) & mask;
         loop {
             let slot = self.slots[at & mask];
             if slot.cell == cell || slot.end == 0 {
-                return slot.start as usize..slot.end as usize;
+                return slot.start..slot.end;
             }
             at += 1;
         }
@@ -98,7 +98,7 @@ mod tests {
         let cells: Vec<_> = (0..1000_u32).map(|i| (u64::from(i) * 7919, i..i + 1)).collect();
         let table = CellTable::new(&cells);
         for i in 0..1000 {
-            assert_eq!(table.get(i * 7919), i as usize..i as usize + 1);
+            assert_eq!(table.get(i * 7919), i as u32..i as u32 + 1);
             assert!(table.get(i * 7919 + 1).is_empty());
         }
     }

@@ -21,10 +21,10 @@ use cells::{CellTable, spread_bits};
 use core::ops::Range;
 use glam::{UVec3, Vec3};
 
-/// Edge of a cell over the largest radius of its level. See [`builder`] for the measurement.
-const CELL_WIDTH: f32 = 4.0;
+/// Edge of a cell over the largest radius of its level; `overlap/grid_search.rs` has the measurement.
+const CELL_WIDTH: f32 = 8.0;
 
-/// Grids over the spheres of a tree. Building takes O(n log n), memory is about 35 bytes per sphere.
+/// Grids over the spheres of a tree. Building takes O(n log n), memory is about 23 bytes per sphere.
 ///
 /// It belongs to the tree that it was made of and to all scaled copies of that, see [`InnerSphereTree::with_grid`].
 #[derive(Clone, Debug)]
@@ -96,16 +96,9 @@ impl SphereGrid {
 }
 
 impl GridData {
-    /// Calls `visit` with ranges of entries of `level` that together hold every sphere whose centre is in the box from `lower`
-    /// to `upper` (m, unscaled); each entry is in one range at most.
-    #[inline(always)]
-    pub(crate) fn for_each_near(
-        &self,
-        level: &Level,
-        lower: Vec3,
-        upper: Vec3,
-        mut visit: impl FnMut(Range<usize>),
-    ) {
+    /// Appends to `ranges` entries of `level`, each in one range at most, among which is every sphere whose centre is in the box
+    /// from `lower` to `upper` (m, unscaled).
+    pub(crate) fn entries_near(&self, level: &Level, lower: Vec3, upper: Vec3, ranges: &mut Vec<Range<u32>>) {
         let cell = |corner: Vec3| ((corner - self.origin) / level.cell).floor();
         let (first, last) = (cell(lower), cell(upper));
         if last.min_element() < 0.0 {
@@ -117,7 +110,7 @@ impl GridData {
         let count = u64::from(sides.x) * u64::from(sides.y) * u64::from(sides.z);
         if count > level.cells.occupied() as u64 {
             // A wide box in a sparse level: there is less to be seen than to be skipped.
-            return visit(self.entries_of(level));
+            return ranges.push(self.groups[level.groups.start]..self.groups[level.groups.end]);
         }
         for z in first.z..=last.z {
             let in_z = spread_bits(z) << 2;
@@ -126,16 +119,11 @@ impl GridData {
                 for x in first.x..=last.x {
                     let entries = level.cells.get(in_yz | spread_bits(x));
                     if !entries.is_empty() {
-                        visit(entries);
+                        ranges.push(entries);
                     }
                 }
             }
         }
-    }
-
-    /// All entries of `level`.
-    fn entries_of(&self, level: &Level) -> Range<usize> {
-        self.groups[level.groups.start] as usize..self.groups[level.groups.end] as usize
     }
 
     /// The entries of `group`.

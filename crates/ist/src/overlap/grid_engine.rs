@@ -36,7 +36,7 @@ pub(super) fn totals<const STIFFNESS: bool>(
     let placed = &*placed;
     let run = |task: &Task, scratch: &mut GridScratch| {
         let mut sink = TotalsSink::<STIFFNESS>::new(trees, grids.pose);
-        dispatch!(Level::new(), simd => grids.find_pairs(simd, task, placed, scratch, &mut sink));
+        dispatch!(Level::new(), simd => grids.find_pairs(simd, task, scratch, (placed, &mut sink)));
         sink.totals
     };
     sum_of_tasks(grids, run, &mut workspace.grid)

@@ -34,7 +34,7 @@ fn pairs(a: &InnerSphereTree, b: &InnerSphereTree, pose: &Pose3, by: Engine) -> 
         Some(grids) => {
             for task in grids.tasks() {
                 let scratch = &mut workspace.grid;
-                dispatch!(Level::new(), simd => grids.find_pairs(simd, &task, &[], scratch, &mut keep));
+                dispatch!(Level::new(), simd => grids.find_pairs(simd, &task, scratch, (&[], &mut keep)));
             }
         }
     }

@@ -84,7 +84,7 @@ impl Candidates {
     }
 
     /// Room for `most` balls and the surplus lanes of a block store behind them.
-    fn fit(&mut self, most: usize) {
+    pub(super) fn fit(&mut self, most: usize) {
         let room = most + WIDTH;
         if self.x.len() < room {
             self.grow(room);
