@@ -42,6 +42,7 @@ mod file;
 pub mod lens;
 mod overlap;
 mod packing;
+mod proximity;
 pub mod reference;
 mod solid;
 mod sphere;
@@ -50,6 +51,10 @@ mod tree;
 pub use file::{FileError, Provenance};
 pub use overlap::{ContactSample, ForceLaw, Overlap, OverlapWorkspace, SurfaceDistance};
 pub use packing::{PackingError, SpherePacking};
+pub use proximity::{
+    BallKind, DistanceOptions, Impact, ImpactOptions, NearestSphere, Penetration, ProximityWorkspace, Ray,
+    RayHit, RigidMotion, Separation, TimeOfImpact,
+};
 pub use solid::SolidProperties;
 pub use sphere::InnerSphere;
 pub use tree::InnerSphereTree;

@@ -62,3 +62,6 @@ pub fn overlap_at(
     }
     out
 }
+
+mod proximity;
+pub use proximity::{ReferenceDistance, distance};

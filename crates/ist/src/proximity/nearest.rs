@@ -1,0 +1,233 @@
+//! The nearest pair of balls of two trees, by branch and bound.
+//!
+//! Best first: of all pairs of nodes that wait, the one with the smallest gap is opened, that is, the larger of its
+//! two balls is replaced by its children. What waits bounds the result from below at any time. Before the first
+//! pair of spheres is known, and where balls of nodes meet, the nearest child is opened at once instead.
+
+use super::ProximityWorkspace;
+use super::side::{BlockLanes, Side, bits};
+use crate::tree::WIDTH;
+use alloc::collections::BinaryHeap;
+use core::cmp::Ordering;
+use fearless_simd::{Level, Simd, dispatch, prelude::*};
+
+/// When a search may end, in the frame of the query.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    /// Pairs with a gap of at least this are of no interest.
+    pub(super) cutoff: f32,
+    /// A pair with a gap of at most this is good enough.
+    pub(super) enough: f32,
+    /// By how much the gap found may be larger than the smallest.
+    pub(super) tolerance: f32,
+    /// Pairs of nodes that may be opened.
+    pub(super) visits: usize,
+}
+
+/// What a search found.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Nearest {
+    /// Positions in the trees' own orders.
+    pub(super) pair: [usize; 2],
+    /// No gap is smaller, but for rounding.
+    pub(super) lower: f32,
+}
+
+/// A pair of nodes that waits.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Candidate {
+    /// No pair of spheres below has a smaller gap.
+    gap: f32,
+    nodes: Nodes,
+}
+
+/// A node of either tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Nodes {
+    pub(super) level: [u8; 2],
+    pub(super) node: [u32; 2],
+}
+
+impl Nodes {
+    pub(super) fn roots(sides: [&Side; 2]) -> Self {
+        Self { level: sides.map(|side| side.data.height() as u8), node: [0, 0] }
+    }
+
+    /// The same pair with child `child` in place of the node of tree `side`.
+    #[inline(always)]
+    pub(super) fn descend(self, side: usize, child: usize) -> Self {
+        let mut nodes = self;
+        nodes.level[side] -= 1;
+        nodes.node[side] = child as u32;
+        nodes
+    }
+
+    /// Which of the two nodes to open, by their radii: the larger one, or the one that has children.
+    #[inline(always)]
+    pub(super) fn larger<T: PartialOrd>(self, radius: [T; 2]) -> usize {
+        match self.level {
+            [_, 0] => 0,
+            [0, _] => 1,
+            _ => usize::from(radius[1] > radius[0]),
+        }
+    }
+
+    pub(super) fn are_leaves(self) -> bool {
+        self.level == [0, 0]
+    }
+}
+
+/// The smallest gap is the greatest of a max-heap; the order is total, so that equal input gives equal results.
+impl Ord for Candidate {
+    #[inline(always)]
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.gap.total_cmp(&self.gap).then_with(|| other.nodes.cmp(&self.nodes))
+    }
+}
+
+impl PartialOrd for Candidate {
+    #[inline(always)]
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Candidate {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Candidate {}
+
+/// The pair of spheres with the smallest gap below `limits.cutoff`; `None` where there is none.
+pub(super) fn nearest_pair(
+    sides: [Side; 2],
+    limits: Limits,
+    workspace: &mut ProximityWorkspace,
+) -> Option<Nearest> {
+    workspace.candidates.clear();
+    let mut search = Search { sides, heap: &mut workspace.candidates, gap: limits.cutoff, pair: None };
+    let (lower, exhausted) = dispatch!(Level::new(), simd => search.run(simd, limits));
+    match search.pair {
+        // Out of visits, and the first way down led beyond the cutoff: any pair tells something.
+        None if exhausted => Some(Nearest { pair: [0, 0], lower }),
+        pair => pair.map(|pair| Nearest { pair, lower }),
+    }
+}
+
+struct Search<'a> {
+    sides: [Side<'a>; 2],
+    heap: &'a mut BinaryHeap<Candidate>,
+    /// Gap of `pair`, or the cutoff.
+    gap: f32,
+    pair: Option<[usize; 2]>,
+}
+
+impl Search<'_> {
+    /// The lower bound that was reached, and whether visits ran out.
+    #[inline(always)]
+    fn run<S: Simd>(&mut self, simd: S, limits: Limits) -> (f32, bool) {
+        let mut next =
+            Some(Candidate { gap: f32::NEG_INFINITY, nodes: Nodes::roots([&self.sides[0], &self.sides[1]]) });
+        let (mut visits, mut first_descent) = (0, true);
+        loop {
+            first_descent &= next.is_some();
+            let Some(candidate) = next.take().or_else(|| self.heap.pop()) else {
+                return (self.gap, false);
+            };
+            if candidate.gap >= self.gap - limits.tolerance && self.pair.is_some() {
+                return (candidate.gap.min(self.gap), false);
+            }
+            // The first way down does not count: a pair of spheres is worth more than any bound.
+            if visits >= limits.visits && !first_descent {
+                let waiting = self.heap.peek().map_or(f32::INFINITY, |c| c.gap);
+                return (candidate.gap.min(waiting).min(self.gap), true);
+            }
+            visits += 1;
+            next = self.open(simd, candidate);
+            if self.pair.is_some() && self.gap <= limits.enough {
+                return (self.gap, false);
+            }
+        }
+    }
+
+    /// Opens a pair of nodes; returns a child to go on with at once.
+    #[inline(always)]
+    fn open<S: Simd>(&mut self, simd: S, candidate: Candidate) -> Option<Candidate> {
+        let nodes = candidate.nodes;
+        let balls =
+            [0, 1].map(|side| self.sides[side].ball(nodes.level[side].into(), nodes.node[side] as usize));
+        if nodes.level == [1, 1] {
+            self.open_last(simd, nodes, balls);
+            return None;
+        }
+        if nodes.are_leaves() {
+            let gap = balls[0].0.distance(balls[1].0) - (balls[0].1 + balls[1].1);
+            self.see(gap, nodes.node.map(|node| node as usize));
+            return None;
+        }
+        let opened = nodes.larger([balls[0].1, balls[1].1]);
+        let level = usize::from(nodes.level[opened]) - 1;
+        let first = nodes.node[opened] as usize * WIDTH;
+        let (block, live) = self.sides[opened].block(simd, level, first);
+        let gaps = block.gaps(balls[1 - opened]);
+        let mask = gaps.simd_lt(self.gap).to_bitmask() as u32 & live;
+        if nodes.descend(opened, 0).are_leaves() {
+            for lane in bits(mask) {
+                let mut pair = nodes.node.map(|node| node as usize);
+                pair[opened] = first + lane;
+                self.see(gaps[lane], pair);
+            }
+            return None;
+        }
+        let child = |lane: usize| Candidate {
+            // A child's ball may reach out of its parent's; the spheres in it do not.
+            gap: gaps[lane].max(candidate.gap),
+            nodes: nodes.descend(opened, first + lane),
+        };
+        let nearest = bits(mask).min_by(|&i, &j| gaps[i].total_cmp(&gaps[j]))?;
+        let at_once = self.pair.is_none() || gaps[nearest] <= 0.0;
+        for lane in bits(mask) {
+            if !(at_once && lane == nearest) {
+                self.heap.push(child(lane));
+            }
+        }
+        at_once.then(|| child(nearest))
+    }
+
+    /// Tests the spheres below two nodes of level 1.
+    #[inline(always)]
+    fn open_last<S: Simd>(&mut self, simd: S, nodes: Nodes, balls: [(glam::Vec3, f32); 2]) {
+        let first = nodes.node.map(|node| node as usize * WIDTH);
+        let (block_b, live_b) = self.sides[1].block(simd, 0, first[1]);
+        let near = block_b.gaps(balls[0]);
+        let rows = near.simd_lt(self.gap).to_bitmask() as u32 & live_b;
+        let (block_a, live_a) = self.sides[0].block(simd, 0, first[0]);
+        for row in bits(rows) {
+            self.test_row(&block_a, live_a, (block_b.ball(row), first[1] + row), first[0]);
+        }
+    }
+
+    #[inline(always)]
+    fn test_row<S: Simd>(
+        &mut self,
+        block: &BlockLanes<S>,
+        live: u32,
+        (ball, index): ((glam::Vec3, f32), usize),
+        first: usize,
+    ) {
+        let gaps = block.gaps(ball);
+        let mask = gaps.simd_lt(self.gap).to_bitmask() as u32 & live;
+        for lane in bits(mask) {
+            self.see(gaps[lane], [first + lane, index]);
+        }
+    }
+
+    #[inline(always)]
+    fn see(&mut self, gap: f32, pair: [usize; 2]) {
+        if gap < self.gap {
+            (self.gap, self.pair) = (gap, Some(pair));
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! A stack of tree nodes of fixed size, for depth-first queries.
+
+use crate::tree::WIDTH;
+
+/// Eight entries for each of the at most eleven levels of 2³¹ spheres, for both trees of a pair.
+const ROOM: usize = 2 * 11 * WIDTH;
+
+/// Entries that wait to be visited.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stack<T> {
+    entries: [T; ROOM],
+    len: usize,
+}
+
+impl<T: Copy> Stack<T> {
+    pub(super) fn new(first: T) -> Self {
+        Self { entries: [first; ROOM], len: 1 }
+    }
+
+    #[inline(always)]
+    pub(super) fn push(&mut self, entry: T) {
+        self.entries[self.len] = entry;
+        self.len += 1;
+    }
+
+    #[inline(always)]
+    pub(super) fn pop(&mut self) -> Option<T> {
+        self.len = self.len.checked_sub(1)?;
+        Some(self.entries[self.len])
+    }
+
+    /// Number of entries, to be handed to [`Self::nearest_on_top`].
+    #[inline(always)]
+    pub(super) fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Moves the entry with the least `key` among those above `base` to the top.
+    #[inline(always)]
+    pub(super) fn nearest_on_top(&mut self, base: usize, key: impl Fn(&T) -> f32) {
+        let new = &mut self.entries[base..self.len];
+        let nearest = (0..new.len()).min_by(|&i, &j| key(&new[i]).total_cmp(&key(&new[j])));
+        if let Some(nearest) = nearest {
+            let top = new.len() - 1;
+            new.swap(nearest, top);
+        }
+    }
+}

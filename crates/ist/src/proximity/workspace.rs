@@ -1,0 +1,23 @@
+//! Memory that queries use again and again.
+
+use super::impact::Due;
+use super::nearest::Candidate;
+use super::penetration::Contact;
+use crate::OverlapWorkspace;
+use alloc::collections::BinaryHeap;
+use alloc::vec::Vec;
+
+/// Scratch memory of queries on two trees; keep one per thread and hand it to every query.
+///
+/// It grows with the hardest query it has seen, and one that fits allocates nothing. Its content never affects
+/// a result.
+#[derive(Clone, Debug, Default)]
+pub struct ProximityWorkspace {
+    /// Pairs of nodes by distance.
+    pub(super) candidates: BinaryHeap<Candidate>,
+    /// Pairs of nodes by the time before which they do not meet.
+    pub(super) due: BinaryHeap<Due>,
+    /// Pairs of spheres that bound a separating translation.
+    pub(super) contacts: Vec<Contact>,
+    pub(super) overlap: OverlapWorkspace,
+}
