@@ -2,7 +2,7 @@
 
 use super::BallKind;
 use super::point::{exact_distance, unscaled};
-use super::side::{Side, bits};
+use super::side::{Bits, Side, nearest_last};
 use super::stack::Stack;
 use crate::InnerSphereTree;
 use crate::tree::WIDTH;
@@ -71,16 +71,15 @@ fn visit_near<S: Simd, T>(
         let gaps = block.gaps(ball);
         let mask = gaps.simd_le(slack).to_bitmask() as u32 & live;
         if level == 1 {
-            for lane in bits(mask) {
+            for lane in Bits(mask) {
                 visit(first + lane)?;
             }
             continue;
         }
-        let base = stack.len();
-        for lane in bits(mask) {
+        let gaps = gaps.to_array();
+        for lane in nearest_last(&gaps, mask) {
             stack.push((gaps[lane], level - 1, first + lane));
         }
-        stack.nearest_on_top(base, |entry| entry.0);
     }
     ControlFlow::Continue(())
 }

@@ -3,11 +3,12 @@
 use super::BallKind;
 use super::nearest::Nodes;
 use super::placement::Placement;
-use super::side::{Side, bits};
+use super::side::{Bits, Side, nearest_last};
 use super::stack::Stack;
 use crate::InnerSphereTree;
 use crate::tree::WIDTH;
 use fearless_simd::{Level, Simd, dispatch, prelude::*};
+use glam::Vec3;
 use glamx::Pose3;
 
 impl InnerSphereTree {
@@ -22,8 +23,19 @@ impl InnerSphereTree {
         let Some(placement) = Placement::new(self, other, pose) else { return false };
         let kind = BallKind::Inner;
         let sides = [Side::fixed(self, kind), Side::placed(other, kind, self, &placement)];
+        let roots = [0, 1].map(|side: usize| sides[side].ball(sides[side].data.height(), 0));
+        if !meet(roots[0], (roots[1].0, roots[1].1 + placement.rounding)) {
+            return false;
+        }
         dispatch!(Level::new(), simd => some_pair_meets(simd, sides, placement.rounding))
     }
+}
+
+/// The test of the overlap, operation by operation.
+#[inline(always)]
+fn meet(a: (Vec3, f32), b: (Vec3, f32)) -> bool {
+    let reach = a.1 + b.1;
+    a.0.distance_squared(b.0) < reach * reach
 }
 
 /// Whether two balls meet; nodes count as meeting when they are less than `slack` apart.
@@ -31,20 +43,15 @@ impl InnerSphereTree {
 fn some_pair_meets<S: Simd>(simd: S, sides: [Side; 2], slack: f32) -> bool {
     let mut stack = Stack::new((f32::NEG_INFINITY, Nodes::roots([&sides[0], &sides[1]])));
     while let Some((_, nodes)) = stack.pop() {
-        let balls = [0, 1].map(|side| sides[side].ball(nodes.level[side].into(), nodes.node[side] as usize));
+        let balls = nodes.balls(&sides);
         if nodes.are_leaves() {
-            let reach = balls[0].1 + balls[1].1;
-            if balls[0].0.distance_squared(balls[1].0) < reach * reach {
+            if meet(balls[0], balls[1]) {
                 return true;
             }
             continue;
         }
         if nodes.level == [1, 1] {
-            let first = nodes.node.map(|node| node as usize * WIDTH);
-            let (block_b, live_b) = sides[1].block(simd, 0, first[1]);
-            let (block_a, live_a) = sides[0].block(simd, 0, first[0]);
-            let rows = block_b.gaps(balls[0]).simd_lt(slack).to_bitmask() as u32 & live_b;
-            if bits(rows).any(|row| block_a.meeting(block_b.ball(row)) & live_a != 0) {
+            if some_sphere_meets(simd, sides, nodes, (balls[0], slack)) {
                 return true;
             }
             continue;
@@ -53,18 +60,38 @@ fn some_pair_meets<S: Simd>(simd: S, sides: [Side; 2], slack: f32) -> bool {
         let level = usize::from(nodes.level[opened]) - 1;
         let first = nodes.node[opened] as usize * WIDTH;
         let (block, live) = sides[opened].block(simd, level, first);
-        if nodes.descend(opened, 0).are_leaves() {
-            if block.meeting(balls[1 - opened]) & live != 0 {
-                return true;
-            }
-            continue;
-        }
         let gaps = block.gaps(balls[1 - opened]);
-        let base = stack.len();
-        for lane in bits(gaps.simd_lt(slack).to_bitmask() as u32 & live) {
+        let mask = gaps.simd_lt(slack).to_bitmask() as u32 & live;
+        let gaps = gaps.to_array();
+        for lane in nearest_last(&gaps, mask) {
             stack.push((gaps[lane], nodes.descend(opened, first + lane)));
         }
-        stack.nearest_on_top(base, |(gap, _)| *gap);
+    }
+    false
+}
+
+/// Whether two spheres below nodes of level 1 meet; `node_a` is A's ball.
+#[inline(always)]
+fn some_sphere_meets<S: Simd>(
+    simd: S,
+    sides: [Side; 2],
+    nodes: Nodes,
+    (node_a, slack): ((Vec3, f32), f32),
+) -> bool {
+    let first = nodes.node.map(|node| node as usize * WIDTH);
+    let (block_b, live_b) = sides[1].block(simd, 0, first[1]);
+    let rows = block_b.nearer_than(slack, node_a) & live_b;
+    if rows == 0 {
+        return false;
+    }
+    let (block_a, live_a) = sides[0].block(simd, 0, first[0]);
+    for row in Bits(rows) {
+        let ball_b = sides[1].ball(0, first[1] + row);
+        for lane in Bits(block_a.nearer_than(slack, block_b.ball(row)) & live_a) {
+            if meet(sides[0].ball(0, first[0] + lane), ball_b) {
+                return true;
+            }
+        }
     }
     false
 }

@@ -5,11 +5,12 @@
 //! pair of spheres is known, and where balls of nodes meet, the nearest child is opened at once instead.
 
 use super::ProximityWorkspace;
-use super::side::{BlockLanes, Side, bits};
+use super::side::{Bits, Side, least_lane};
 use crate::tree::WIDTH;
 use alloc::collections::BinaryHeap;
 use core::cmp::Ordering;
 use fearless_simd::{Level, Simd, dispatch, prelude::*};
+use glam::Vec3;
 
 /// When a search may end, in the frame of the query.
 #[derive(Clone, Copy, Debug)]
@@ -60,6 +61,12 @@ impl Nodes {
         nodes.level[side] -= 1;
         nodes.node[side] = child as u32;
         nodes
+    }
+
+    #[inline(always)]
+    pub(super) fn balls(self, sides: &[Side; 2]) -> [(Vec3, f32); 2] {
+        let ball = |side: usize| sides[side].ball(self.level[side].into(), self.node[side] as usize);
+        [ball(0), ball(1)]
     }
 
     /// Which of the two nodes to open, by their radii: the larger one, or the one that has children.
@@ -156,15 +163,13 @@ impl Search<'_> {
     #[inline(always)]
     fn open<S: Simd>(&mut self, simd: S, candidate: Candidate) -> Option<Candidate> {
         let nodes = candidate.nodes;
-        let balls =
-            [0, 1].map(|side| self.sides[side].ball(nodes.level[side].into(), nodes.node[side] as usize));
+        let balls = nodes.balls(&self.sides);
         if nodes.level == [1, 1] {
             self.open_last(simd, nodes, balls);
             return None;
         }
         if nodes.are_leaves() {
-            let gap = balls[0].0.distance(balls[1].0) - (balls[0].1 + balls[1].1);
-            self.see(gap, nodes.node.map(|node| node as usize));
+            self.see(gap(balls[0], balls[1]), nodes.node.map(|node| node as usize));
             return None;
         }
         let opened = nodes.larger([balls[0].1, balls[1].1]);
@@ -174,53 +179,49 @@ impl Search<'_> {
         let gaps = block.gaps(balls[1 - opened]);
         let mask = gaps.simd_lt(self.gap).to_bitmask() as u32 & live;
         if nodes.descend(opened, 0).are_leaves() {
-            for lane in bits(mask) {
+            for lane in Bits(mask) {
                 let mut pair = nodes.node.map(|node| node as usize);
                 pair[opened] = first + lane;
-                self.see(gaps[lane], pair);
+                let ball = self.sides[opened].ball(0, first + lane);
+                self.see(gap(ball, balls[1 - opened]), pair);
             }
             return None;
         }
+        if mask == 0 {
+            return None;
+        }
+        let gaps = gaps.to_array();
         let child = |lane: usize| Candidate {
             // A child's ball may reach out of its parent's; the spheres in it do not.
             gap: gaps[lane].max(candidate.gap),
             nodes: nodes.descend(opened, first + lane),
         };
-        let nearest = bits(mask).min_by(|&i, &j| gaps[i].total_cmp(&gaps[j]))?;
+        let nearest = least_lane(&gaps, mask);
         let at_once = self.pair.is_none() || gaps[nearest] <= 0.0;
-        for lane in bits(mask) {
-            if !(at_once && lane == nearest) {
-                self.heap.push(child(lane));
-            }
+        let later = if at_once { mask & !(1 << nearest) } else { mask };
+        for lane in Bits(later) {
+            self.heap.push(child(lane));
         }
         at_once.then(|| child(nearest))
     }
 
-    /// Tests the spheres below two nodes of level 1.
+    /// Looks at the spheres below two nodes of level 1.
     #[inline(always)]
-    fn open_last<S: Simd>(&mut self, simd: S, nodes: Nodes, balls: [(glam::Vec3, f32); 2]) {
+    fn open_last<S: Simd>(&mut self, simd: S, nodes: Nodes, balls: [(Vec3, f32); 2]) {
         let first = nodes.node.map(|node| node as usize * WIDTH);
         let (block_b, live_b) = self.sides[1].block(simd, 0, first[1]);
-        let near = block_b.gaps(balls[0]);
-        let rows = near.simd_lt(self.gap).to_bitmask() as u32 & live_b;
-        let (block_a, live_a) = self.sides[0].block(simd, 0, first[0]);
-        for row in bits(rows) {
-            self.test_row(&block_a, live_a, (block_b.ball(row), first[1] + row), first[0]);
+        let rows = block_b.gaps(balls[0]).simd_lt(self.gap).to_bitmask() as u32 & live_b;
+        if rows == 0 {
+            return;
         }
-    }
-
-    #[inline(always)]
-    fn test_row<S: Simd>(
-        &mut self,
-        block: &BlockLanes<S>,
-        live: u32,
-        (ball, index): ((glam::Vec3, f32), usize),
-        first: usize,
-    ) {
-        let gaps = block.gaps(ball);
-        let mask = gaps.simd_lt(self.gap).to_bitmask() as u32 & live;
-        for lane in bits(mask) {
-            self.see(gaps[lane], [first + lane, index]);
+        let (block_a, live_a) = self.sides[0].block(simd, 0, first[0]);
+        for row in Bits(rows) {
+            let gaps = block_a.gaps(block_b.ball(row));
+            let ball_b = self.sides[1].ball(0, first[1] + row);
+            for lane in Bits(gaps.simd_lt(self.gap).to_bitmask() as u32 & live_a) {
+                let gap = gap(self.sides[0].ball(0, first[0] + lane), ball_b);
+                self.see(gap, [first[0] + lane, first[1] + row]);
+            }
         }
     }
 
@@ -230,4 +231,10 @@ impl Search<'_> {
             (self.gap, self.pair) = (gap, Some(pair));
         }
     }
+}
+
+/// Distance of two balls, negative where they meet.
+#[inline(always)]
+fn gap(a: (Vec3, f32), b: (Vec3, f32)) -> f32 {
+    a.0.distance(b.0) - (a.1 + b.1)
 }

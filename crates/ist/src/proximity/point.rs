@@ -3,7 +3,7 @@
 use super::BallKind;
 use super::placement::exact_ball;
 use super::projection::BallPair;
-use super::side::{Side, bits};
+use super::side::{Bits, Side, nearest_last};
 use super::stack::Stack;
 use crate::InnerSphereTree;
 use crate::tree::WIDTH;
@@ -85,18 +85,19 @@ fn nearest<S: Simd>(simd: S, side: Side, center: Vec3) -> usize {
         let gaps = block.gaps((center, 0.0));
         let mask = gaps.simd_lt(best.0).to_bitmask() as u32 & live;
         if level == 1 {
-            for lane in bits(mask) {
-                if gaps[lane] < best.0 {
-                    best = (gaps[lane], first + lane);
+            for lane in Bits(mask) {
+                let (ball, radius) = side.ball(0, first + lane);
+                let gap = ball.distance(center) - radius;
+                if gap < best.0 {
+                    best = (gap, first + lane);
                 }
             }
             continue;
         }
-        let base = stack.len();
-        for lane in bits(mask) {
+        let gaps = gaps.to_array();
+        for lane in nearest_last(&gaps, mask) {
             stack.push((gaps[lane], level - 1, first + lane));
         }
-        stack.nearest_on_top(base, |entry| entry.0);
     }
     best.1
 }

@@ -3,7 +3,7 @@
 use super::BallKind;
 use super::placement::exact_ball;
 use super::point::unscaled;
-use super::side::{Side, bits};
+use super::side::{Bits, Side, nearest_last};
 use super::stack::Stack;
 use crate::InnerSphereTree;
 use crate::tree::WIDTH;
@@ -156,7 +156,7 @@ impl Search<'_> {
             let (ways, live) = self.ways(simd, level - 1, first, slack);
             let mask = ways.simd_le(limit).to_bitmask() as u32 & live;
             if level == 1 {
-                for lane in bits(mask) {
+                for lane in Bits(mask) {
                     let Some(way) = hit(first + lane) else { continue };
                     if best.is_none_or(|(best, _)| way < best) {
                         best = Some((way, first + lane));
@@ -165,11 +165,10 @@ impl Search<'_> {
                 }
                 continue;
             }
-            let base = stack.len();
-            for lane in bits(mask) {
+            let ways = ways.to_array();
+            for lane in nearest_last(&ways, mask) {
                 stack.push((ways[lane], level - 1, first + lane));
             }
-            stack.nearest_on_top(base, |entry| entry.0);
         }
         best
     }

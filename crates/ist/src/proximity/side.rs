@@ -63,21 +63,19 @@ impl<'a> Side<'a> {
     }
 
     /// The block of `level` that begins at ball `first`, and which of its lanes hold a ball.
+    ///
+    /// On level 0 too these are balls that wrap those of either kind.
     #[inline(always)]
     pub(super) fn block<S: Simd>(&self, simd: S, level: usize, first: usize) -> (BlockLanes<S>, u32) {
-        let lanes = if level == 0 && self.kind == BallKind::Inner {
-            let last = self.data.inner_radius.len() - 1;
-            let axis = |axis: usize| {
-                f32x8::from_fn(simd, |lane| self.data.inner_center[last.min(first + lane)][axis])
-            };
-            let radius = f32x8::from_fn(simd, |lane| self.data.inner_radius[last.min(first + lane)]);
-            [axis(0), axis(1), axis(2), radius]
-        } else {
-            let balls = &self.data.levels[level];
-            [&balls.x, &balls.y, &balls.z, &balls.radius]
-                .map(|array| f32x8::from_slice(simd, &array[first..first + WIDTH]))
+        // No vector may pass through a closure that the standard library calls: it is compiled without the instruction
+        // set that was chosen, and every operation on it becomes a call (a factor of 3 to 4 in all queries).
+        let balls = &self.data.levels[level];
+        let load = |array: &[f32]| f32x8::from_slice(simd, &array[first..first + WIDTH]);
+        let lanes = [load(&balls.x), load(&balls.y), load(&balls.z), load(&balls.radius)];
+        let [x, y, z, radius] = match self.placement {
+            Some(placement) => placement.transform_lanes(lanes),
+            None => lanes,
         };
-        let [x, y, z, radius] = self.placement.map_or(lanes, |placement| placement.transform_lanes(lanes));
         let block = BlockLanes { x, y, z, radius: radius + self.skin };
         (block, live_lanes(self.len(level), first))
     }
@@ -104,10 +102,10 @@ impl<S: Simd> BlockLanes<S> {
         self.squared_distances(center).sqrt() - (self.radius + radius)
     }
 
-    /// Which of the balls meet a ball, as a bit mask: the test of the overlap, operation by operation.
+    /// Which of the balls are less than `slack` from a ball, as a bit mask.
     #[inline(always)]
-    pub(super) fn meeting(&self, (center, radius): (Vec3, f32)) -> u32 {
-        let reach = self.radius + radius;
+    pub(super) fn nearer_than(&self, slack: f32, (center, radius): (Vec3, f32)) -> u32 {
+        let reach = self.radius + (radius + slack);
         self.squared_distances(center).simd_lt(reach * reach).to_bitmask() as u32
     }
 
@@ -118,14 +116,39 @@ impl<S: Simd> BlockLanes<S> {
     }
 }
 
-/// The positions of the bits of `mask`, lowest first.
+/// The positions of the bits of a mask, lowest first.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bits(pub(super) u32);
+
+impl Iterator for Bits {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        if self.0 == 0 {
+            return None;
+        }
+        let bit = self.0.trailing_zeros() as usize;
+        self.0 &= self.0 - 1;
+        Some(bit)
+    }
+}
+
+/// The lane of `mask` with the least of `values`; any lane where there is none.
 #[inline(always)]
-pub(super) fn bits(mut mask: u32) -> impl Iterator<Item = usize> {
-    core::iter::from_fn(move || {
-        (mask != 0).then(|| {
-            let bit = mask.trailing_zeros() as usize;
-            mask &= mask - 1;
-            bit
-        })
-    })
+pub(super) fn least_lane(values: &[f32; WIDTH], mask: u32) -> usize {
+    let mut least = (f32::INFINITY, 0);
+    for lane in Bits(mask) {
+        if values[lane] < least.0 {
+            least = (values[lane], lane);
+        }
+    }
+    least.1
+}
+
+/// The lanes of `mask`, the one with the least of `values` last: on top of a stack.
+#[inline(always)]
+pub(super) fn nearest_last(values: &[f32; WIDTH], mask: u32) -> impl Iterator<Item = usize> {
+    let nearest = mask & (1 << least_lane(values, mask));
+    Bits(mask & !nearest).chain(Bits(nearest))
 }

@@ -28,21 +28,4 @@ impl<T: Copy> Stack<T> {
         self.len = self.len.checked_sub(1)?;
         Some(self.entries[self.len])
     }
-
-    /// Number of entries, to be handed to [`Self::nearest_on_top`].
-    #[inline(always)]
-    pub(super) fn len(&self) -> usize {
-        self.len
-    }
-
-    /// Moves the entry with the least `key` among those above `base` to the top.
-    #[inline(always)]
-    pub(super) fn nearest_on_top(&mut self, base: usize, key: impl Fn(&T) -> f32) {
-        let new = &mut self.entries[base..self.len];
-        let nearest = (0..new.len()).min_by(|&i, &j| key(&new[i]).total_cmp(&key(&new[j])));
-        if let Some(nearest) = nearest {
-            let top = new.len() - 1;
-            new.swap(nearest, top);
-        }
-    }
 }
