@@ -1,12 +1,12 @@
 //! Whether two solids meet.
 
-use super::BallKind;
 use super::nearest::Nodes;
 use super::placement::Placement;
 use super::side::{Bits, Side, nearest_last};
-use super::stack::Stack;
+use super::{BallKind, ProximityWorkspace};
 use crate::InnerSphereTree;
 use crate::tree::WIDTH;
+use alloc::vec::Vec;
 use fearless_simd::{Level, Simd, dispatch, prelude::*};
 use glam::Vec3;
 use glamx::Pose3;
@@ -19,7 +19,7 @@ impl InnerSphereTree {
     /// length, or B farther than 10¹⁸ times A's unscaled coordinates. The search goes deep first and ends at the first
     /// two balls that meet.
     #[must_use]
-    pub fn intersects(&self, other: &Self, pose: &Pose3) -> bool {
+    pub fn intersects(&self, other: &Self, pose: &Pose3, workspace: &mut ProximityWorkspace) -> bool {
         let Some(placement) = Placement::new(self, other, pose) else { return false };
         let kind = BallKind::Inner;
         let sides = [Side::fixed(self, kind), Side::placed(other, kind, self, &placement)];
@@ -27,7 +27,7 @@ impl InnerSphereTree {
         if !meet(roots[0], (roots[1].0, roots[1].1 + placement.rounding)) {
             return false;
         }
-        dispatch!(Level::new(), simd => some_pair_meets(simd, sides, placement.rounding))
+        dispatch!(Level::new(), simd => some_pair_meets(simd, sides, placement.rounding, &mut workspace.stack))
     }
 }
 
@@ -40,9 +40,10 @@ fn meet(a: (Vec3, f32), b: (Vec3, f32)) -> bool {
 
 /// Whether two balls meet; nodes count as meeting when they are less than `slack` apart.
 #[inline(always)]
-fn some_pair_meets<S: Simd>(simd: S, sides: [Side; 2], slack: f32) -> bool {
-    let mut stack = Stack::new((f32::NEG_INFINITY, Nodes::roots([&sides[0], &sides[1]])));
-    while let Some((_, nodes)) = stack.pop() {
+fn some_pair_meets<S: Simd>(simd: S, sides: [Side; 2], slack: f32, stack: &mut Vec<Nodes>) -> bool {
+    stack.clear();
+    stack.push(Nodes::roots([&sides[0], &sides[1]]));
+    while let Some(nodes) = stack.pop() {
         let balls = nodes.balls(&sides);
         if nodes.are_leaves() {
             if meet(balls[0], balls[1]) {
@@ -56,6 +57,27 @@ fn some_pair_meets<S: Simd>(simd: S, sides: [Side; 2], slack: f32) -> bool {
             }
             continue;
         }
+        if nodes.open_both([balls[0].1, balls[1].1]) {
+            let first = nodes.node.map(|node| node as usize * WIDTH);
+            let level = nodes.level.map(|level| usize::from(level) - 1);
+            let (block_b, live_b) = sides[1].block(simd, level[1], first[1]);
+            let rows = block_b.gaps(balls[0]);
+            let mask = rows.simd_lt(slack).to_bitmask() as u32 & live_b;
+            if mask == 0 {
+                continue;
+            }
+            let (block_a, live_a) = sides[0].block(simd, level[0], first[0]);
+            let rows = rows.to_array();
+            for row in nearest_last(&rows, mask) {
+                let gaps = block_a.gaps(block_b.ball(row));
+                let mask = gaps.simd_lt(slack).to_bitmask() as u32 & live_a;
+                let gaps = gaps.to_array();
+                for lane in nearest_last(&gaps, mask) {
+                    stack.push(nodes.descend(1, first[1] + row).descend(0, first[0] + lane));
+                }
+            }
+            continue;
+        }
         let opened = nodes.larger([balls[0].1, balls[1].1]);
         let level = usize::from(nodes.level[opened]) - 1;
         let first = nodes.node[opened] as usize * WIDTH;
@@ -64,7 +86,7 @@ fn some_pair_meets<S: Simd>(simd: S, sides: [Side; 2], slack: f32) -> bool {
         let mask = gaps.simd_lt(slack).to_bitmask() as u32 & live;
         let gaps = gaps.to_array();
         for lane in nearest_last(&gaps, mask) {
-            stack.push((gaps[lane], nodes.descend(opened, first + lane)));
+            stack.push(nodes.descend(opened, first + lane));
         }
     }
     false

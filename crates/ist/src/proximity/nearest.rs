@@ -12,6 +12,9 @@ use core::cmp::Ordering;
 use fearless_simd::{Level, Simd, dispatch, prelude::*};
 use glam::Vec3;
 
+/// Ratio of radii up to which both nodes of a pair are opened.
+const ALIKE: f32 = 3.0;
+
 /// When a search may end, in the frame of the query.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
@@ -77,6 +80,15 @@ impl Nodes {
             [0, _] => 1,
             _ => usize::from(radius[1] > radius[0]),
         }
+    }
+
+    /// Whether to open both nodes at once: where neither is much larger, and both have children.
+    #[inline(always)]
+    pub(super) fn open_both(self, radius: [f32; 2]) -> bool {
+        self.level[0] > 0
+            && self.level[1] > 0
+            && radius[0] < ALIKE * radius[1]
+            && radius[1] < ALIKE * radius[0]
     }
 
     pub(super) fn are_leaves(self) -> bool {
@@ -172,6 +184,10 @@ impl Search<'_> {
             self.see(gap(balls[0], balls[1]), nodes.node.map(|node| node as usize));
             return None;
         }
+        if self.pair.is_some() && nodes.open_both([balls[0].1, balls[1].1]) {
+            self.open_pair(simd, candidate, balls);
+            return None;
+        }
         let opened = nodes.larger([balls[0].1, balls[1].1]);
         let level = usize::from(nodes.level[opened]) - 1;
         let first = nodes.node[opened] as usize * WIDTH;
@@ -203,6 +219,30 @@ impl Search<'_> {
             self.heap.push(child(lane));
         }
         at_once.then(|| child(nearest))
+    }
+
+    /// Opens both nodes.
+    #[inline(always)]
+    fn open_pair<S: Simd>(&mut self, simd: S, candidate: Candidate, balls: [(Vec3, f32); 2]) {
+        let nodes = candidate.nodes;
+        let first = nodes.node.map(|node| node as usize * WIDTH);
+        let level = nodes.level.map(|level| usize::from(level) - 1);
+        let (block_b, live_b) = self.sides[1].block(simd, level[1], first[1]);
+        let rows = block_b.gaps(balls[0]).simd_lt(self.gap).to_bitmask() as u32 & live_b;
+        if rows == 0 {
+            return;
+        }
+        let (block_a, live_a) = self.sides[0].block(simd, level[0], first[0]);
+        for row in Bits(rows) {
+            let gaps = block_a.gaps(block_b.ball(row));
+            let mask = gaps.simd_lt(self.gap).to_bitmask() as u32 & live_a;
+            let gaps = gaps.to_array();
+            let nodes = nodes.descend(1, first[1] + row);
+            for lane in Bits(mask) {
+                let gap = gaps[lane].max(candidate.gap);
+                self.heap.push(Candidate { gap, nodes: nodes.descend(0, first[0] + lane) });
+            }
+        }
     }
 
     /// Looks at the spheres below two nodes of level 1.

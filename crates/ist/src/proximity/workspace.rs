@@ -1,7 +1,7 @@
 //! Memory that queries use again and again.
 
 use super::impact::Due;
-use super::nearest::Candidate;
+use super::nearest::{Candidate, Nodes};
 use super::penetration::Contact;
 use crate::OverlapWorkspace;
 use alloc::collections::BinaryHeap;
@@ -13,6 +13,8 @@ use alloc::vec::Vec;
 /// a result.
 #[derive(Clone, Debug, Default)]
 pub struct ProximityWorkspace {
+    /// Pairs of nodes that meet.
+    pub(super) stack: Vec<Nodes>,
     /// Pairs of nodes by distance.
     pub(super) candidates: BinaryHeap<Candidate>,
     /// Pairs of nodes by the time before which they do not meet.

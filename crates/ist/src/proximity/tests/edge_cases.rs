@@ -26,7 +26,7 @@ fn useless_poses_have_stated_results() {
     let mut workspace = ProximityWorkspace::default();
     for pose in useless() {
         assert_eq!(a.distance(&b, &pose, &mut workspace), None);
-        assert!(!a.intersects(&b, &pose));
+        assert!(!a.intersects(&b, &pose, &mut Default::default()));
         assert_eq!(a.penetration(&b, &pose, &mut workspace), None);
         if pose.translation.x == 1e30 {
             continue;
@@ -74,7 +74,7 @@ fn useless_points_and_rays_hit_nothing() {
 fn coincident_trees_meet() {
     let mut workspace = ProximityWorkspace::default();
     for tree in [grid(1, 1.0, 0.3), grid(8, 0.3, 0.1), grid(700, 0.3, 0.1), balls(&[(Vec3::ONE, 0.5); 100])] {
-        assert!(tree.intersects(&tree, &Pose3::IDENTITY));
+        assert!(tree.intersects(&tree, &Pose3::IDENTITY, &mut workspace));
         let found = tree.distance(&tree, &Pose3::IDENTITY, &mut workspace).unwrap();
         assert_eq!((found.distance, found.lower_bound), (0.0, 0.0));
         assert!(found.normal.is_normalized() && found.point_a.is_finite());
@@ -98,7 +98,7 @@ fn scales_change_lengths_only() {
             let pose = Pose3::from_parts(pose.translation * scale, pose.rotation);
             let scaled = a.distance(&b, &pose, &mut workspace).unwrap();
             assert!((scaled.distance / scale - unscaled.distance).abs() < 1e-5);
-            assert_eq!(a.intersects(&b, &pose), unscaled.distance == 0.0);
+            assert_eq!(a.intersects(&b, &pose, &mut Default::default()), unscaled.distance == 0.0);
             let scaled = a.penetration(&b, &pose, &mut workspace).unwrap().depth;
             assert!((scaled / scale - depth).abs() <= 0.02 * depth, "{} {depth}", scaled / scale);
         }
@@ -115,10 +115,11 @@ fn bodies_of_very_different_sizes() {
         let found = a.distance(b, &pose, &mut workspace).unwrap();
         let exact = reference::distance(a, b, &pose, BallKind::Inner).gap;
         assert!((f64::from(found.distance) - exact).abs() < 1e-5, "{} {exact}", found.distance);
-        assert!(!a.intersects(b, &pose));
+        assert!(!a.intersects(b, &pose, &mut workspace));
     }
     let inside = Pose3::translation(0.3, 0.3, 0.31);
-    assert!(large.intersects(&small, &inside) && small.intersects(&large, &inside.inverse()));
+    assert!(large.intersects(&small, &inside, &mut workspace));
+    assert!(small.intersects(&large, &inside.inverse(), &mut workspace));
     let depth = large.penetration(&small, &inside, &mut workspace).unwrap();
     assert!(depth.depth > 0.089 && depth.depth < 2.0);
     let motions = [

@@ -67,10 +67,10 @@ proptest! {
     #[test]
     fn intersects_as_the_overlap_says(a in random_tree(300), b in random_tree(300), pose in random_pose(5.0)) {
         let overlap = a.overlap(&b, &pose, &mut OverlapWorkspace::default());
-        prop_assert_eq!(a.intersects(&b, &pose), overlap.intersects);
+        prop_assert_eq!(a.intersects(&b, &pose, &mut Default::default()), overlap.intersects);
         let gap = reference::distance(&a, &b, &pose, BallKind::Inner).gap;
         if gap.abs() > 3e-6 * f64::from(extent(&a, &b, &pose)) {
-            prop_assert_eq!(a.intersects(&b, &pose), gap < 0.0);
+            prop_assert_eq!(a.intersects(&b, &pose, &mut Default::default()), gap < 0.0);
         }
     }
 
