@@ -1,16 +1,21 @@
 //! The nearest pair of balls of two trees, by branch and bound.
 //!
-//! Best first: of all pairs of nodes that wait, the one with the smallest gap is opened, that is, the larger of its
-//! two balls is replaced by its children. What waits bounds the result from below at any time. Before the first
-//! pair of spheres is known, and where balls of nodes meet, the nearest child is opened at once instead.
+//! Depth first: of the pair of nodes at hand, the larger ball is replaced by its children, and the nearest child is
+//! looked at next. Pairs that cannot hold anything nearer are left out. Best first, by a heap over all pairs that wait,
+//! visits fewer pairs and takes 1.5 to 2.5 times as long; but a search that is interrupted has the best bound from below
+//! that way. So it is used where visits are bounded, from the first pair of spheres on.
 
 use super::ProximityWorkspace;
-use super::side::{Bits, Side, least_lane};
+use super::side::{Bits, Side};
 use crate::tree::WIDTH;
 use alloc::collections::BinaryHeap;
+use alloc::vec::Vec;
 use core::cmp::Ordering;
 use fearless_simd::{Level, Simd, dispatch, prelude::*};
 use glam::Vec3;
+
+/// Pairs on the way down from the roots of the tallest trees to two spheres, at most.
+const DESCENT: usize = 22;
 
 /// Ratio of radii up to which both nodes of a pair are opened.
 const ALIKE: f32 = 3.0;
@@ -126,17 +131,28 @@ pub(super) fn nearest_pair(
     workspace: &mut ProximityWorkspace,
 ) -> Option<Nearest> {
     workspace.candidates.clear();
-    let mut search = Search { sides, heap: &mut workspace.candidates, gap: limits.cutoff, pair: None };
+    workspace.by_gap.clear();
+    let mut search = Search {
+        sides,
+        stack: &mut workspace.candidates,
+        heap: &mut workspace.by_gap,
+        gap: limits.cutoff,
+        pair: None,
+    };
     let (lower, exhausted) = dispatch!(Level::new(), simd => search.run(simd, limits));
     match search.pair {
-        // Out of visits, and the first way down led beyond the cutoff: any pair tells something.
+        // Out of visits before anything below the cutoff was seen: any pair tells something.
         None if exhausted => Some(Nearest { pair: [0, 0], lower }),
-        pair => pair.map(|pair| Nearest { pair, lower }),
+        None => None,
+        Some(pair) => Some(Nearest { pair, lower }),
     }
 }
 
 struct Search<'a> {
     sides: [Side<'a>; 2],
+    /// Pairs of nodes that wait, the next one last.
+    stack: &'a mut Vec<Candidate>,
+    /// Those that wait in the order of their gaps.
     heap: &'a mut BinaryHeap<Candidate>,
     /// Gap of `pair`, or the cutoff.
     gap: f32,
@@ -147,46 +163,53 @@ impl Search<'_> {
     /// The lower bound that was reached, and whether visits ran out.
     #[inline(always)]
     fn run<S: Simd>(&mut self, simd: S, limits: Limits) -> (f32, bool) {
-        let mut next =
-            Some(Candidate { gap: f32::NEG_INFINITY, nodes: Nodes::roots([&self.sides[0], &self.sides[1]]) });
-        let (mut visits, mut first_descent) = (0, true);
-        loop {
-            first_descent &= next.is_some();
-            let Some(candidate) = next.take().or_else(|| self.heap.pop()) else {
-                return (self.gap, false);
-            };
-            if candidate.gap >= self.gap - limits.tolerance && self.pair.is_some() {
-                return (candidate.gap.min(self.gap), false);
+        let is_bounded = limits.visits < usize::MAX;
+        let nodes = Nodes::roots([&self.sides[0], &self.sides[1]]);
+        self.stack.push(Candidate { gap: f32::NEG_INFINITY, nodes });
+        let (mut visits, mut lower) = (0, f32::INFINITY);
+        while let Some(candidate) = self.next(is_bounded) {
+            if self.pair.is_some() && candidate.gap >= self.gap - limits.tolerance {
+                lower = lower.min(candidate.gap);
+                continue;
             }
-            // The first way down does not count: a pair of spheres is worth more than any bound.
-            if visits >= limits.visits && !first_descent {
-                let waiting = self.heap.peek().map_or(f32::INFINITY, |c| c.gap);
-                return (candidate.gap.min(waiting).min(self.gap), true);
+            // The way down to the first pair does not count: a distance is worth more than any bound.
+            if visits >= limits.visits
+                && (self.pair.is_some() || visits >= limits.visits.saturating_add(DESCENT))
+            {
+                let waiting = self.stack.iter().chain(self.heap.iter()).map(|c| c.gap);
+                return (waiting.fold(candidate.gap.min(self.gap), f32::min).min(lower), true);
             }
             visits += 1;
-            next = self.open(simd, candidate);
+            self.open(simd, candidate);
             if self.pair.is_some() && self.gap <= limits.enough {
                 return (self.gap, false);
             }
         }
+        (lower.min(self.gap), false)
     }
 
-    /// Opens a pair of nodes; returns a child to go on with at once.
+    /// The pair of nodes to look at next.
     #[inline(always)]
-    fn open<S: Simd>(&mut self, simd: S, candidate: Candidate) -> Option<Candidate> {
+    fn next(&mut self, is_bounded: bool) -> Option<Candidate> {
+        if is_bounded && self.pair.is_some() {
+            self.heap.extend(self.stack.drain(..));
+            return self.heap.pop();
+        }
+        self.stack.pop()
+    }
+
+    /// Opens a pair of nodes.
+    #[inline(always)]
+    fn open<S: Simd>(&mut self, simd: S, candidate: Candidate) {
         let nodes = candidate.nodes;
         let balls = nodes.balls(&self.sides);
         if nodes.level == [1, 1] {
             self.open_last(simd, nodes, balls);
-            return None;
+            return;
         }
         if nodes.are_leaves() {
             self.see(gap(balls[0], balls[1]), nodes.node.map(|node| node as usize));
-            return None;
-        }
-        if self.pair.is_some() && nodes.open_both([balls[0].1, balls[1].1]) {
-            self.open_pair(simd, candidate, balls);
-            return None;
+            return;
         }
         let opened = nodes.larger([balls[0].1, balls[1].1]);
         let level = usize::from(nodes.level[opened]) - 1;
@@ -194,55 +217,31 @@ impl Search<'_> {
         let (block, live) = self.sides[opened].block(simd, level, first);
         let gaps = block.gaps(balls[1 - opened]);
         let mask = gaps.simd_lt(self.gap).to_bitmask() as u32 & live;
-        if nodes.descend(opened, 0).are_leaves() {
-            for lane in Bits(mask) {
-                let mut pair = nodes.node.map(|node| node as usize);
-                pair[opened] = first + lane;
-                let ball = self.sides[opened].ball(0, first + lane);
-                self.see(gap(ball, balls[1 - opened]), pair);
-            }
-            return None;
-        }
-        if mask == 0 {
-            return None;
-        }
         let gaps = gaps.to_array();
-        let child = |lane: usize| Candidate {
-            // A child's ball may reach out of its parent's; the spheres in it do not.
-            gap: gaps[lane].max(candidate.gap),
-            nodes: nodes.descend(opened, first + lane),
-        };
-        let nearest = least_lane(&gaps, mask);
-        let at_once = self.pair.is_none() || gaps[nearest] <= 0.0;
-        let later = if at_once { mask & !(1 << nearest) } else { mask };
-        for lane in Bits(later) {
-            self.heap.push(child(lane));
+        let last = nodes.descend(opened, 0).are_leaves();
+        let base = self.stack.len();
+        for lane in Bits(mask) {
+            let nodes = nodes.descend(opened, first + lane);
+            if last {
+                let ball = self.sides[opened].ball(0, first + lane);
+                self.see(gap(ball, balls[1 - opened]), nodes.node.map(|node| node as usize));
+            } else {
+                // A child's ball may reach out of its parent's; the spheres in it do not.
+                self.insert(base, Candidate { gap: gaps[lane].max(candidate.gap), nodes });
+            }
         }
-        at_once.then(|| child(nearest))
     }
 
-    /// Opens both nodes.
+    /// Pushes a candidate among those above `base`, which stand in the order of falling gaps.
     #[inline(always)]
-    fn open_pair<S: Simd>(&mut self, simd: S, candidate: Candidate, balls: [(Vec3, f32); 2]) {
-        let nodes = candidate.nodes;
-        let first = nodes.node.map(|node| node as usize * WIDTH);
-        let level = nodes.level.map(|level| usize::from(level) - 1);
-        let (block_b, live_b) = self.sides[1].block(simd, level[1], first[1]);
-        let rows = block_b.gaps(balls[0]).simd_lt(self.gap).to_bitmask() as u32 & live_b;
-        if rows == 0 {
-            return;
+    fn insert(&mut self, base: usize, candidate: Candidate) {
+        let mut at = self.stack.len();
+        self.stack.push(candidate);
+        while at > base && self.stack[at - 1].gap < candidate.gap {
+            self.stack[at] = self.stack[at - 1];
+            at -= 1;
         }
-        let (block_a, live_a) = self.sides[0].block(simd, level[0], first[0]);
-        for row in Bits(rows) {
-            let gaps = block_a.gaps(block_b.ball(row));
-            let mask = gaps.simd_lt(self.gap).to_bitmask() as u32 & live_a;
-            let gaps = gaps.to_array();
-            let nodes = nodes.descend(1, first[1] + row);
-            for lane in Bits(mask) {
-                let gap = gaps[lane].max(candidate.gap);
-                self.heap.push(Candidate { gap, nodes: nodes.descend(0, first[0] + lane) });
-            }
-        }
+        self.stack[at] = candidate;
     }
 
     /// Looks at the spheres below two nodes of level 1.

@@ -15,8 +15,10 @@ use alloc::vec::Vec;
 pub struct ProximityWorkspace {
     /// Pairs of nodes that meet.
     pub(super) stack: Vec<Nodes>,
-    /// Pairs of nodes by distance.
-    pub(super) candidates: BinaryHeap<Candidate>,
+    /// Pairs of nodes that may hold the nearest spheres, the next one last.
+    pub(super) candidates: Vec<Candidate>,
+    /// The same in the order of their gaps.
+    pub(super) by_gap: BinaryHeap<Candidate>,
     /// Pairs of nodes by the time before which they do not meet.
     pub(super) due: BinaryHeap<Due>,
     /// Pairs of spheres that bound a separating translation.
