@@ -23,6 +23,12 @@ use glamx::Pose3;
 /// Steps along the gradient of the volume before the way out is given up.
 const STEPS: usize = 24;
 
+/// Attempts to reach the margin where the volume ended.
+const PUSHES: usize = 4;
+
+/// Starts end when the translation is at most this much longer than any that separates, relative.
+const GOOD: f64 = 0.01;
+
 /// Searches for the deepest pair, per start.
 const SEARCHES: usize = 96;
 
@@ -75,13 +81,13 @@ impl InnerSphereTree {
     ) -> Option<Penetration> {
         let placement = Placement::new(self, other, pose)?;
         let rounding = f64::from(placement.rounding) * f64::from(self.scale());
-        let mut query = Query { a: self, b: other, pose, placement, margin: 8.0 * rounding, workspace };
+        let mut query = Query { a: self, b: other, pose, placement, margin: 5.0 * rounding, workspace };
         let deepest = query.deepest(DVec3::ZERO)?;
         if deepest.is_free {
             return Some(Penetration::default());
         }
         let lower_bound = (-deepest.gap - rounding).max(0.0);
-        let best = query.shortest()?;
+        let best = query.shortest(&deepest)?;
         let translation = best.as_vec3();
         let depth = translation.length();
         Some(Penetration { translation, depth, lower_bound: (lower_bound as f32).min(depth) })
@@ -110,7 +116,7 @@ struct Query<'a> {
 
 impl Query<'_> {
     /// The shortest translation found from all starts.
-    fn shortest(&mut self) -> Option<DVec3> {
+    fn shortest(&mut self, deepest: &Deepest) -> Option<DVec3> {
         let mut best: Option<DVec3> = None;
         let (center_a, center_b) = (self.a.bounding_ball().0, *self.pose * self.b.bounding_ball().0);
         let apart = (center_b - center_a).as_dvec3().try_normalize();
@@ -121,9 +127,15 @@ impl Query<'_> {
                 None => self.led_out(),
                 Some(direction) => self.outside(direction),
             };
+            self.workspace.contacts.clear();
+            self.add_contact(deepest.pair);
             let Some(end) = start.map(|start| self.descend(start)) else { continue };
             if best.is_none_or(|best| end.length_squared() < best.length_squared()) {
                 best = Some(end);
+                // No translation is shorter than the deepest pair is deep.
+                if end.length() <= -deepest.gap * (1.0 + GOOD) {
+                    break;
+                }
             }
         }
         best
@@ -162,7 +174,15 @@ impl Query<'_> {
             let step = 2.0 * f64::from(overlap.volume) / slope.max(f64::MIN_POSITIVE);
             x += direction * step.clamp(1e-3 * size, 0.5 * size);
         }
-        self.deepest(x)?.is_free.then_some(x)
+        // The volume ends at contact; a translation has to leave the margin as well.
+        for _ in 0..PUSHES {
+            let deepest = self.deepest(x)?;
+            if deepest.is_free {
+                return Some(x);
+            }
+            x += last? * (2.0 * self.margin - deepest.gap).max(0.0);
+        }
+        None
     }
 
     /// The translation along `direction` that takes the bounding balls apart.
@@ -180,7 +200,6 @@ impl Query<'_> {
 
     /// The end of the descent from a translation that separates.
     fn descend(&mut self, mut x: DVec3) -> DVec3 {
-        self.workspace.contacts.clear();
         for _ in 0..SEARCHES {
             self.place_planes(x);
             let y = self.nearest_beyond_planes();
