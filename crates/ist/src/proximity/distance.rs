@@ -41,10 +41,11 @@ pub struct DistanceOptions {
     pub balls: BallKind,
     /// Pairs at this distance (m) or farther are of no interest; infinite by default.
     pub max_distance: f32,
-    /// By how much (m) the distance may be larger than the smallest, but for rounding; 0 by default. A bound of a
-    /// hundredth of the distance saves little, one of the size of the spheres much.
+    /// By how much (m) the distance may be larger than the smallest, but for rounding; 0 by default. For bodies of
+    /// 10,000 spheres, a hundredth of their radius saves 5 % of the time, a tenth saves 60 to 85 %.
     pub tolerance: f32,
-    /// Pairs of tree nodes that may be looked at after the first way down; unlimited by default. At about 0.05 µs each this bounds the time.
+    /// Pairs of tree nodes that may be looked at after the first way down; unlimited by default. Bounded, pairs are visited best
+    /// first, at about 0.05 µs each.
     pub max_visits: usize,
 }
 
@@ -57,12 +58,24 @@ impl Default for DistanceOptions {
 impl InnerSphereTree {
     /// Distance of the inner balls of this solid (A) and of `other` (B), whose frame stands at `pose` in A's frame.
     ///
-    /// The pair is the nearest one up to the rounding of centres to f32, 1.5e-6 of their coordinates; its distance is
+    /// The pair is the nearest one up to the rounding of centres to f32, 2e-6 of their coordinates; its distance is
     /// computed in f64. Where balls meet, the distance is 0 and the pair is one that meets, not the deepest.
-    /// `None` where the pose is not finite, its quaternion far from unit length, or B farther
-    /// than 10¹⁸ times A's unscaled coordinates.
+    /// `None` where the pose is not finite, its quaternion far from unit length, or a coordinate
+    /// beyond 10¹⁸ in A's unscaled frame.
     ///
-    /// Best-first search: its time grows with the number of nearly nearest pairs, not with that of the spheres.
+    /// The time grows with the number of nearly nearest pairs: most for parallel faces, least for corners and contacts.
+    ///
+    /// ```
+    /// # use glam::Vec3;
+    /// # use glamx::Pose3;
+    /// # use ist::{InnerSphere, InnerSphereTree, ProximityWorkspace, SolidProperties, SpherePacking};
+    /// # let ball = InnerSphere::solid_ball(Vec3::ZERO, 1.0, Vec3::X);
+    /// # let tree = InnerSphereTree::new(&SpherePacking::new(vec![ball], SolidProperties::ball(1.0))?);
+    /// let mut workspace = ProximityWorkspace::default();
+    /// let nearest = tree.distance(&tree, &Pose3::translation(5.0, 0.0, 0.0), &mut workspace);
+    /// assert_eq!(nearest.map(|nearest| (nearest.distance, nearest.point_a)), Some((3.0, Vec3::X)));
+    /// # Ok::<(), ist::PackingError>(())
+    /// ```
     #[must_use]
     pub fn distance(
         &self,

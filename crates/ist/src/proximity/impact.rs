@@ -21,8 +21,11 @@ use glam::Vec3;
 /// Tolerance of contact, relative to the radius of the smaller tree's bounding ball, where none larger is asked for.
 const CONTACT: f64 = 1e-6;
 
-/// Nodes are opened when their gap is less than this part of their radii; until then they are advanced.
-const CLOSE: f64 = 0.25;
+/// Nodes are opened when their gap is less than this part of the larger radius; until then they are advanced.
+///
+/// Bodies of 1,000 and 10,000 spheres that spin at 3 rad/s take 620 and 1,150 visits with 0.25, 582 and 1,076 with 0.1,
+/// and 872 and 1,634 with 1; without spin it makes no difference.
+const CLOSE: f64 = 0.1;
 
 /// What a query for the time of impact looks at and when it may stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +39,8 @@ pub struct ImpactOptions {
     /// By how much (m) the distance at the time of impact may exceed the target. At least 1e-6 of the radius of
     /// the smaller tree, which is the default.
     pub tolerance: f32,
-    /// Pairs of tree nodes that may be looked at, at about 0.4 µs each; 65,536 by default.
+    /// Pairs of tree nodes that may be looked at, at about 0.4 µs each; 65,536 by default. Bodies of 1,000 to 10,000
+    /// spheres take 100 to 300 where they do not turn and 400 to 1,100 where they turn at 3 rad/s.
     pub max_visits: usize,
 }
 
@@ -210,8 +214,8 @@ impl Cast<'_> {
 
     /// A time in which two balls do not come within the target distance.
     ///
-    /// With gap g, unit normal n and arms q about the centres, two bounds hold for the time s from now on, and the larger
-    /// one counts.
+    /// With gap g, unit normal n and arms q about the centres, two bounds hold for the time s from now on, and the
+    /// larger one counts.
     /// - Along n: the distance of two points is at least its projection on n, and the acceleration of a point in
     ///   rotation is `|ω||ω × q|`. So the gap is at least `g + s n·(u_b − u_a) − ½ s² Σ|ω||ω × q|`, u = v + ω × q.
     /// - Around the axes: a ball stays within `ρ = |ω × q|/|ω|` of its foot on the axis, and feet move in straight

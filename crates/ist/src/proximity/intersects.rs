@@ -16,8 +16,8 @@ impl InnerSphereTree {
     /// the answer of [`Overlap::intersects`](crate::Overlap::intersects) without the overlap.
     ///
     /// True for no two solids that are apart. False where the pose is not finite, its quaternion far from unit
-    /// length, or B farther than 10¹⁸ times A's unscaled coordinates. The search goes deep first and ends at the first
-    /// two balls that meet.
+    /// length, or a coordinate beyond 10¹⁸ in A's unscaled frame. The search goes deep first and ends at the first two
+    /// balls that meet.
     #[must_use]
     pub fn intersects(&self, other: &Self, pose: &Pose3, workspace: &mut ProximityWorkspace) -> bool {
         let Some(placement) = Placement::new(self, other, pose) else { return false };
@@ -29,6 +29,16 @@ impl InnerSphereTree {
         }
         dispatch!(Level::new(), simd => some_pair_meets(simd, sides, placement.rounding, &mut workspace.stack))
     }
+}
+
+/// Ratio of radii up to which both nodes of a pair are opened at once.
+///
+/// For equal bodies of 1,000 and 10,000 spheres close to contact, opening both saves 40 to 50 % of the time against opening the
+/// larger one; 2, 3 and 8 are equally good. Beyond, the smaller one would be opened too early, again and again.
+const ALIKE: f32 = 3.0;
+
+fn are_alike(nodes: Nodes, [a, b]: [(Vec3, f32); 2]) -> bool {
+    nodes.level[0] > 0 && nodes.level[1] > 0 && a.1 < ALIKE * b.1 && b.1 < ALIKE * a.1
 }
 
 /// The test of the overlap, operation by operation.
@@ -57,25 +67,8 @@ fn some_pair_meets<S: Simd>(simd: S, sides: [Side; 2], slack: f32, stack: &mut V
             }
             continue;
         }
-        if nodes.open_both([balls[0].1, balls[1].1]) {
-            let first = nodes.node.map(|node| node as usize * WIDTH);
-            let level = nodes.level.map(|level| usize::from(level) - 1);
-            let (block_b, live_b) = sides[1].block(simd, level[1], first[1]);
-            let rows = block_b.gaps(balls[0]);
-            let mask = rows.simd_lt(slack).to_bitmask() as u32 & live_b;
-            if mask == 0 {
-                continue;
-            }
-            let (block_a, live_a) = sides[0].block(simd, level[0], first[0]);
-            let rows = rows.to_array();
-            for row in nearest_last(&rows, mask) {
-                let gaps = block_a.gaps(block_b.ball(row));
-                let mask = gaps.simd_lt(slack).to_bitmask() as u32 & live_a;
-                let gaps = gaps.to_array();
-                for lane in nearest_last(&gaps, mask) {
-                    stack.push(nodes.descend(1, first[1] + row).descend(0, first[0] + lane));
-                }
-            }
+        if are_alike(nodes, balls) {
+            push_pairs(simd, sides, (nodes, balls[0], slack), stack);
             continue;
         }
         let opened = nodes.larger([balls[0].1, balls[1].1]);
@@ -90,6 +83,33 @@ fn some_pair_meets<S: Simd>(simd: S, sides: [Side; 2], slack: f32, stack: &mut V
         }
     }
     false
+}
+
+/// Pushes the pairs of children of two nodes that meet, a near pair last; `node_a` is A's ball.
+#[inline(always)]
+fn push_pairs<S: Simd>(
+    simd: S,
+    sides: [Side; 2],
+    (nodes, node_a, slack): (Nodes, (Vec3, f32), f32),
+    stack: &mut Vec<Nodes>,
+) {
+    let first = nodes.node.map(|node| node as usize * WIDTH);
+    let level = nodes.level.map(|level| usize::from(level) - 1);
+    let (block_b, live_b) = sides[1].block(simd, level[1], first[1]);
+    let rows = block_b.gaps(node_a);
+    let mask = rows.simd_lt(slack).to_bitmask() as u32 & live_b;
+    if mask == 0 {
+        return;
+    }
+    let (block_a, live_a) = sides[0].block(simd, level[0], first[0]);
+    for row in nearest_last(&rows.to_array(), mask) {
+        let gaps = block_a.gaps(block_b.ball(row));
+        let mask = gaps.simd_lt(slack).to_bitmask() as u32 & live_a;
+        let nodes = nodes.descend(1, first[1] + row);
+        for lane in nearest_last(&gaps.to_array(), mask) {
+            stack.push(nodes.descend(0, first[0] + lane));
+        }
+    }
 }
 
 /// Whether two spheres below nodes of level 1 meet; `node_a` is A's ball.

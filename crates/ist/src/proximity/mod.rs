@@ -11,6 +11,7 @@ mod motion;
 mod nearest;
 mod penetration;
 mod placement;
+mod planes;
 mod point;
 mod projection;
 mod ray;

@@ -7,11 +7,11 @@ use fearless_simd::{Simd, f32x8};
 use glam::{DMat3, DVec3, Mat3, Vec3};
 use glamx::{Pose3, Rot3};
 
-/// Error of a gap between two balls in f32, relative to the largest coordinates that enter it.
+/// Error of a gap between two balls in f32, relative to the sum of the largest coordinates that enter it.
 ///
-/// Rotation, translation and their rounded matrix move a centre by up to 7 units in the last place of the largest
-/// coordinate; difference, length and radii add up to 4. 1.5e-6 of the coordinates is twice that.
-const ROUNDING: f32 = 1.5e-6;
+/// Matrix and products move a coordinate by up to 7 roundings of 2⁻²⁴, in three coordinates of a centre at most √3 times
+/// as far out as its largest coordinate: 21. Translation, difference, length and radii add 6: 27 · 2⁻²⁴ = 1.6e-6.
+const ROUNDING: f32 = 2e-6;
 
 /// Coordinates beyond this (in the unscaled frame of A) would overflow when they are squared.
 const LARGEST: f32 = 1e18;

@@ -30,8 +30,8 @@ impl InnerSphereTree {
     /// The ball with the least signed distance from `point` (m, the tree's frame).
     ///
     /// The nearest one up to the rounding of coordinates to f32; its distance is computed in f64. `None` where `point` is
-    /// not finite or farther away than 10¹⁸ times the coordinates of the unscaled tree. Expected time is logarithmic in
-    /// the number of spheres.
+    /// not finite or beyond 10¹⁸ in the tree's unscaled frame. Expected time is logarithmic in the
+    /// number of spheres.
     #[must_use]
     pub fn nearest_sphere(&self, point: Vec3, balls: BallKind) -> Option<NearestSphere> {
         let nearest = self.nearest_position(point, balls)?;

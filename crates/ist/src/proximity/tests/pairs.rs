@@ -82,6 +82,17 @@ proptest! {
         for pose in &poses {
             let fresh = a.distance(&b, pose, &mut ProximityWorkspace::default());
             prop_assert_eq!(a.distance(&b, pose, &mut workspace), fresh);
+            let bounded = DistanceOptions { max_visits: 9, ..Default::default() };
+            let fresh = a.distance_with(&b, pose, &bounded, &mut ProximityWorkspace::default());
+            prop_assert_eq!(a.distance_with(&b, pose, &bounded, &mut workspace), fresh);
+            let fresh = a.penetration(&b, pose, &mut ProximityWorkspace::default());
+            prop_assert_eq!(a.penetration(&b, pose, &mut workspace), fresh);
+            let fresh = a.intersects(&b, pose, &mut ProximityWorkspace::default());
+            prop_assert_eq!(a.intersects(&b, pose, &mut workspace), fresh);
+            let towards = RigidMotion { linear_velocity: -pose.translation, ..RigidMotion::at_rest(*pose) };
+            let motions = [RigidMotion::at_rest(Pose3::IDENTITY), towards];
+            let fresh = a.time_of_impact(&b, &motions, &Default::default(), &mut ProximityWorkspace::default());
+            prop_assert_eq!(a.time_of_impact(&b, &motions, &Default::default(), &mut workspace), fresh);
         }
     }
 }
