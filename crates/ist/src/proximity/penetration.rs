@@ -87,6 +87,7 @@ impl InnerSphereTree {
         workspace: &mut ProximityWorkspace,
     ) -> Option<Penetration> {
         let placement = Placement::new(self, other, pose)?;
+        let pose = &Pose3::from_parts(pose.translation, pose.rotation.normalize());
         let rounding = f64::from(placement.rounding) * f64::from(self.scale());
         let mut query = Query { a: self, b: other, pose, placement, margin: 5.0 * rounding, workspace };
         let deepest = query.deepest(DVec3::ZERO)?;

@@ -38,6 +38,30 @@ fn useless_poses_have_stated_results() {
 }
 
 #[test]
+fn rotations_near_unit_length_are_normalised() {
+    let (a, b) = (grid(300, 0.3, 0.1), grid(100, 0.5, 0.2));
+    let mut workspace = ProximityWorkspace::default();
+    for shift in [Vec3::splat(-3.5), Vec3::splat(0.4)] {
+        let unit = Pose3::from_parts(shift, Quat::from_rotation_x(0.6));
+        let long = Pose3::from_parts(shift, unit.rotation * 1.5);
+        let distance = |pose, workspace: &mut _| a.distance(&b, pose, workspace).unwrap().distance;
+        assert!((distance(&unit, &mut workspace) - distance(&long, &mut workspace)).abs() < 1e-5);
+        let depth = |pose, workspace: &mut _| a.penetration(&b, pose, workspace).unwrap().depth;
+        assert!((depth(&unit, &mut workspace) - depth(&long, &mut workspace)).abs() < 1e-3);
+        let motions = |pose| {
+            let towards = RigidMotion { linear_velocity: 9.0 * Vec3::ONE, ..RigidMotion::at_rest(pose) };
+            [RigidMotion::at_rest(Pose3::IDENTITY), towards]
+        };
+        let time = |pose, workspace: &mut _| {
+            let result = a.time_of_impact(&b, &motions(pose), &ImpactOptions::default(), workspace);
+            let TimeOfImpact::Hit(impact) = result else { panic!("{result:?}") };
+            impact.time
+        };
+        assert!((time(unit, &mut workspace) - time(long, &mut workspace)).abs() < 1e-5);
+    }
+}
+
+#[test]
 fn useless_points_and_rays_hit_nothing() {
     let tree = grid(300, 0.3, 0.1);
     for kind in KINDS {
