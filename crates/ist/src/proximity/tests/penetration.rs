@@ -31,7 +31,7 @@ proptest! {
 
     #[test]
     fn two_balls_are_exact(
-        radii in prop::array::uniform2(0.1_f32..2.0), at in prop::array::uniform3(-1.0_f32..1.0),
+        radii in prop::array::uniform2(0.125_f32..2.0), at in prop::array::uniform3(-1.0_f32..1.0),
         skin in 0.0_f32..0.2,
     ) {
         let (a, b) = (ball(radii[0]).with_skin(skin).unwrap(), ball(radii[1]));
