@@ -43,6 +43,7 @@ mod grid;
 pub mod lens;
 mod overlap;
 mod packing;
+mod proximity;
 pub mod reference;
 mod solid;
 mod sphere;
@@ -55,6 +56,10 @@ pub use overlap::{
     SurfaceDistance,
 };
 pub use packing::{PackingError, SpherePacking};
+pub use proximity::{
+    BallKind, DistanceOptions, Impact, ImpactOptions, NearestSphere, Penetration, ProximityWorkspace, Ray,
+    RayHit, RigidMotion, Separation, TimeOfImpact,
+};
 pub use solid::SolidProperties;
 pub use sphere::InnerSphere;
 pub use tree::InnerSphereTree;

@@ -1,10 +1,13 @@
 //! The plain definitions in double precision, O(n·m): what everything else is tested against.
 
+mod proximity;
+
 use crate::InnerSphereTree;
 use crate::lens::Lens;
 use alloc::vec::Vec;
 use glam::{DMat3, DQuat, DVec3};
 use glamx::Pose3;
+pub use proximity::{ReferenceDistance, distance};
 
 /// Overlap by brute force over all pairs of spheres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

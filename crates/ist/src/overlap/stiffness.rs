@@ -169,7 +169,7 @@ impl<S: Simd> StiffnessLanes<S> {
         self.nn.add(pn, n);
         self.mm.add(pm, m);
         self.transverse_rr.add(qr, r);
-        self.transverse = self.transverse + lens.transverse;
+        self.transverse += lens.transverse;
         self.transverse_r = self.transverse_r.plus(qr);
         for (columns, (left, right)) in [(&mut self.nm, (pn, m)), (&mut self.first, (an, r))] {
             columns[0] = columns[0].add_scaled(right.x, left);

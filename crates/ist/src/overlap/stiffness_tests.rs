@@ -27,6 +27,11 @@ fn gradient(
     [x, y, z, u, v, w]
 }
 
+/// Rows and columns.
+fn entries() -> impl Iterator<Item = (usize, usize)> {
+    (0..6).flat_map(|row| (0..6).map(move |column| (row, column)))
+}
+
 proptest! {
     #[test]
     fn the_reference_equals_finite_differences(
@@ -43,12 +48,11 @@ proptest! {
                 gradient([&a, &b], &pose, exact.centroid, twist)
             };
             let (ahead, behind) = (step(1.0), step(-1.0));
-            for row in 0..6 {
-                differences[row][column] = (ahead[row] - behind[row]) / (2.0 * e);
+            for (row, (ahead, behind)) in ahead.into_iter().zip(behind).enumerate() {
+                differences[row][column] = (ahead - behind) / (2.0 * e);
             }
         }
-        for row in 0..6 {
-            for column in 0..6 {
+        for (row, column) in entries() {
                 // Rotations do not commute: their second derivative is the symmetric part. A translation moves the
                 // pivot along with B, so the coupling is the derivative of the force.
                 let difference = match (row < 3, column < 3) {
@@ -58,7 +62,6 @@ proptest! {
                 };
                 let error = (exact.stiffness[row][column] - difference).abs();
                 prop_assert!(error <= 1e-4 * exact.stiffness_scale.max(1e-3), "{row} {column} {error}");
-            }
         }
     }
 
@@ -79,8 +82,7 @@ proptest! {
             reference::overlap_at(&a, &b, pose.rotation.as_dquat().normalize(), translation).stiffness
         };
         let nearby = [DVec3::X, -DVec3::X, DVec3::Y, -DVec3::Y, DVec3::Z, -DVec3::Z].map(shifted);
-        for row in 0..6 {
-            for column in 0..6 {
+        for (row, column) in entries() {
                 let power = i32::from(row >= 3) + i32::from(column >= 3);
                 let error = (f64::from(rows[row][column]) - exact.stiffness[row][column]).abs();
                 let slack = nearby.map(|near| (near[row][column] - exact.stiffness[row][column]).abs());
@@ -88,7 +90,6 @@ proptest! {
                     error <= slack.into_iter().sum::<f64>() + 2e-5 * exact.stiffness_scale * (2.0 * unit).powi(power) + 1e-9 * unit,
                     "{row} {column}: {} {}", rows[row][column], exact.stiffness[row][column]
                 );
-            }
         }
         let plain = a.overlap_with(&b, &pose, OverlapQuery { stiffness: false, ..STIFF }, &mut workspace);
         prop_assert_eq!(plain, Overlap { stiffness: None, ..overlap });
