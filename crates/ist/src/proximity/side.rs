@@ -69,9 +69,9 @@ impl<'a> Side<'a> {
     pub(super) fn block<S: Simd>(&self, simd: S, level: usize, first: usize) -> (BlockLanes<S>, u32) {
         // No vector may pass through a closure that the standard library calls: it is compiled without the instruction
         // set that was chosen, and every operation on it becomes a call (a factor of 3 to 4 in all queries).
-        let balls = &self.data.levels[level];
-        let load = |array: &[f32]| f32x8::from_slice(simd, &array[first..first + WIDTH]);
-        let lanes = [load(&balls.x), load(&balls.y), load(&balls.z), load(&balls.radius)];
+        let balls = &self.data.levels[level].blocks[first / WIDTH];
+        let load = |array: [f32; WIDTH]| f32x8::load_array(simd, array);
+        let lanes = [load(balls.x), load(balls.y), load(balls.z), load(balls.radius)];
         let [x, y, z, radius] = match self.placement {
             Some(placement) => placement.transform_lanes(lanes),
             None => lanes,
