@@ -37,7 +37,7 @@ impl InnerSphereTree {
         pending.push((data.height(), 0, Vec3::ZERO, f32::NEG_INFINITY));
         while let Some((level, node, parent, parent_distance)) = pending.pop() {
             let (center, radius) = data.levels[level].get(node);
-            let (center, radius) = (center * self.scale(), radius * self.scale() + self.skin());
+            let (center, radius) = (center * self.unit(), radius * self.unit() + self.skin());
             // Distances change by no more than the way: most nodes need not be asked about.
             if parent_distance - center.distance(parent) >= radius {
                 continue;
