@@ -1,6 +1,7 @@
 //! What overlap queries make of input that is useless or extreme: an error or a defined result, and no NaN.
 //!
 //! Damaged `.ist` files are covered beside their reader, and proximity queries beside theirs.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use glam::{DVec3, Quat, Vec3};
 use glamx::Pose3;

@@ -4,6 +4,7 @@
 //! each other. *Theorem.* Two disjoint packings of n and m balls have at most 12(n + m) overlapping pairs.
 //!
 //! The assets are counted by the workspace's test `overlap`.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use glam::Vec3;
 use glamx::Pose3;
