@@ -34,6 +34,7 @@
 //!
 //! # Features
 //! - `std` (default): file access.
+//! - `parallel`: grids and batches on all cores.
 #![cfg_attr(not(feature = "std"), no_std)]
 
 extern crate alloc;
@@ -52,8 +53,8 @@ mod tree;
 pub use file::{FileError, Provenance};
 pub use grid::SphereGrid;
 pub use overlap::{
-    ContactSample, DeepestPair, Engine, ForceLaw, Overlap, OverlapQuery, OverlapWorkspace, Stiffness,
-    SurfaceDistance,
+    ContactSample, DeepestPair, Engine, ForceLaw, Overlap, OverlapCache, OverlapPair, OverlapQuery,
+    OverlapWorkspace, Stiffness, SurfaceDistance, overlap_batch,
 };
 pub use packing::{PackingError, SpherePacking};
 pub use proximity::{

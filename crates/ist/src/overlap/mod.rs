@@ -1,5 +1,7 @@
 //! Overlap of two solids.
 
+mod batch;
+mod cache;
 mod caps;
 mod force_law;
 mod grid_engine;
@@ -17,6 +19,8 @@ mod workspace;
 
 use crate::InnerSphereTree;
 use alloc::vec::Vec;
+pub use batch::{OverlapPair, overlap_batch};
+pub use cache::OverlapCache;
 pub use caps::SurfaceDistance;
 use fearless_simd::{Level, dispatch};
 pub use force_law::ForceLaw;
@@ -96,6 +100,32 @@ impl InnerSphereTree {
         Overlap::new(&totals, query, [self, other])
     }
 
+    /// As [`Self::overlap_with`] by [`Engine::Tree`], with what `cache` remembers of earlier queries of the same two solids:
+    /// the same pairs and the same result but for rounding, sooner where B has moved little against A.
+    ///
+    /// The engine that `query` names has no effect.
+    #[must_use]
+    pub fn overlap_cached(
+        &self,
+        other: &Self,
+        pose: &Pose3,
+        query: OverlapQuery,
+        (cache, workspace): (&mut OverlapCache, &mut OverlapWorkspace),
+    ) -> Overlap {
+        let Some(pose) = RelativePose::new(self, other, pose) else { return Overlap::default() };
+        let trees = (self.data(), other.data());
+        let totals = if query.stiffness {
+            let mut sink = TotalsSink::<true>::new(trees, &pose);
+            cache.for_each_pair([self, other], &pose, workspace, &mut sink);
+            sink.totals
+        } else {
+            let mut sink = TotalsSink::<false>::new(trees, &pose);
+            cache.for_each_pair([self, other], &pose, workspace, &mut sink);
+            sink.totals
+        };
+        Overlap::new(&totals, query, [self, other])
+    }
+
     /// The overlap of this solid (A) with `other` (B) as one sample per overlapping pair of spheres, in A's
     /// frame, appended to `samples`. Their volumes add up to [`Overlap::volume`].
     pub fn contact_samples(
@@ -165,6 +195,8 @@ impl Overlap {
     }
 }
 
+#[cfg(test)]
+mod cache_tests;
 #[cfg(test)]
 mod grid_tests;
 #[cfg(test)]
