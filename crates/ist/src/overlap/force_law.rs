@@ -56,7 +56,12 @@ fn blended(totals: &Totals) -> WrenchSum {
 
 /// `wrench` scaled so that its force has length `length`.
 fn scaled(wrench: &WrenchSum, length: f64) -> WrenchSum {
-    let factor = length / wrench.force.length().max(f64::MIN_POSITIVE);
+    let size = wrench.force.length();
+    if size < f64::MIN_POSITIVE.sqrt() {
+        // No direction: nothing is pushed. The quotient would overflow.
+        return WrenchSum::default();
+    }
+    let factor = length / size;
     WrenchSum { force: wrench.force * factor, torque: wrench.torque * factor }
 }
 

@@ -62,8 +62,10 @@ impl<S: Simd> LensLanes<S> {
         let (a, b) = (load(&pairs.a.radius), load(&pairs.b.radius));
         let delta = Lanes3 { x: cb.x - ca.x, y: cb.y - ca.y, z: cb.z - ca.z };
         let d = (delta.x * delta.x + delta.y * delta.y + delta.z * delta.z).sqrt();
-        // Concentric balls: any positive distance gives the same clamped heights.
-        let inverse = f32x8::splat(simd, 1.0) / d.max(f32::MIN_POSITIVE);
+        // Concentric balls: any small distance gives the same clamped heights, if it is taken everywhere. A fixed one
+        // would overflow for large balls.
+        let d = d.max((a + b) * 1e-7).max(f32::MIN_POSITIVE);
+        let inverse = f32x8::splat(simd, 1.0) / d;
         let axis = delta.scale(inverse);
         let h = a + b - d;
         let zero = f32x8::splat(simd, 0.0);

@@ -152,3 +152,21 @@ fn concentric_balls_overlap_in_the_smaller() {
     assert!((f64::from(overlap.volume) / crate::lens::Lens::new(0.5, 9.0, 0.0).volume - 1.0).abs() < 1e-6);
     assert!(overlap.centroid.is_finite() && overlap.force.is_finite() && overlap.torque.is_finite());
 }
+
+/// Equal balls about one centre had no lens in f32: the floor of the distance was not taken everywhere.
+#[test]
+fn issue_coincident_balls_have_no_overlap() {
+    for radius in [1e-4, 0.3, 1.0, 1e4_f32] {
+        let solid = ball(radius);
+        let overlap = solid.overlap(&solid, &Pose3::IDENTITY, &mut OverlapWorkspace::default());
+        let volume = crate::lens::Lens::new(f64::from(radius), f64::from(radius), 0.0).volume;
+        assert!((f64::from(overlap.volume) / volume - 1.0).abs() < 1e-5, "{radius}");
+    }
+}
+
+/// A large volume without any direction was divided by zero.
+#[test]
+fn issue_a_large_volume_without_direction_gives_nan() {
+    let overlap = ball(2.0).overlap(&ball(1.9), &Pose3::IDENTITY, &mut OverlapWorkspace::default());
+    assert!(overlap.volume > 4.0 && overlap.force == Vec3::ZERO && overlap.torque == Vec3::ZERO);
+}
