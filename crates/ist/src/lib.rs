@@ -33,7 +33,7 @@
 //! solid, `_b` for the second.
 //!
 //! # Features
-//! - `std` (default): file access.
+//! - `std` (default): file access, budgets of time.
 #![cfg_attr(not(feature = "std"), no_std)]
 
 extern crate alloc;
@@ -45,6 +45,7 @@ mod packing;
 pub mod reference;
 mod solid;
 mod sphere;
+mod time_critical;
 mod tree;
 
 pub use file::{FileError, Provenance};
@@ -52,4 +53,5 @@ pub use overlap::{ContactSample, ForceLaw, Overlap, OverlapWorkspace, SurfaceDis
 pub use packing::{PackingError, SpherePacking};
 pub use solid::SolidProperties;
 pub use sphere::InnerSphere;
+pub use time_critical::{Budget, OverlapEstimate, TimeCriticalWorkspace};
 pub use tree::InnerSphereTree;

@@ -7,30 +7,30 @@ use fearless_simd::{Simd, f32x8, prelude::*};
 
 /// Three coordinates of eight points.
 #[derive(Clone, Copy)]
-pub(super) struct Lanes3<S: Simd> {
-    pub(super) x: f32x8<S>,
-    pub(super) y: f32x8<S>,
-    pub(super) z: f32x8<S>,
+pub(crate) struct Lanes3<S: Simd> {
+    pub(crate) x: f32x8<S>,
+    pub(crate) y: f32x8<S>,
+    pub(crate) z: f32x8<S>,
 }
 
 impl<S: Simd> Lanes3<S> {
     #[inline(always)]
-    pub(super) fn plus(self, other: Self) -> Self {
+    pub(crate) fn plus(self, other: Self) -> Self {
         Self { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }
     }
 
     #[inline(always)]
-    pub(super) fn add_scaled(self, factor: f32x8<S>, other: Self) -> Self {
+    pub(crate) fn add_scaled(self, factor: f32x8<S>, other: Self) -> Self {
         Self { x: self.x + factor * other.x, y: self.y + factor * other.y, z: self.z + factor * other.z }
     }
 
     #[inline(always)]
-    pub(super) fn scale(self, factor: f32x8<S>) -> Self {
+    pub(crate) fn scale(self, factor: f32x8<S>) -> Self {
         Self { x: self.x * factor, y: self.y * factor, z: self.z * factor }
     }
 
     #[inline(always)]
-    pub(super) fn cross(self, other: Self) -> Self {
+    pub(crate) fn cross(self, other: Self) -> Self {
         Self {
             x: self.y * other.z - self.z * other.y,
             y: self.z * other.x - self.x * other.z,
@@ -41,21 +41,21 @@ impl<S: Simd> Lanes3<S> {
 
 /// Eight lenses, in A's frame.
 #[derive(Clone, Copy)]
-pub(super) struct LensLanes<S: Simd> {
-    pub(super) volume: f32x8<S>,
+pub(crate) struct LensLanes<S: Simd> {
+    pub(crate) volume: f32x8<S>,
     /// Area of the disc inside the intersection circle; zero where one ball contains the other.
-    pub(super) area: f32x8<S>,
+    pub(crate) area: f32x8<S>,
     /// Unit vector from A's centre to B's; zero for concentric balls.
-    pub(super) axis: Lanes3<S>,
+    pub(crate) axis: Lanes3<S>,
     /// First moment of the lens about A's origin, that is volume times centroid.
-    pub(super) moment: Lanes3<S>,
-    pub(super) center_a: Lanes3<S>,
+    pub(crate) moment: Lanes3<S>,
+    pub(crate) center_a: Lanes3<S>,
 }
 
 impl<S: Simd> LensLanes<S> {
     /// The lenses of the block of pairs that begins at `first`.
     #[inline(always)]
-    pub(super) fn new(simd: S, pairs: &PairBuffer, first: usize) -> Self {
+    pub(crate) fn new(simd: S, pairs: &PairBuffer, first: usize) -> Self {
         let load = |array: &[f32]| f32x8::from_slice(simd, &array[first..first + WIDTH]);
         let center = |side: &BallLanes| Lanes3 { x: load(&side.x), y: load(&side.y), z: load(&side.z) };
         let (ca, cb) = (center(&pairs.a), center(&pairs.b));

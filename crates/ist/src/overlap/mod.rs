@@ -2,13 +2,13 @@
 
 mod caps;
 mod force_law;
-mod lens_lanes;
-mod pairs;
-mod relative_pose;
+pub(crate) mod lens_lanes;
+pub(crate) mod pairs;
+pub(crate) mod relative_pose;
 mod samples;
-mod totals;
-mod traversal;
-mod workspace;
+pub(crate) mod totals;
+pub(crate) mod traversal;
+pub(crate) mod workspace;
 
 use crate::InnerSphereTree;
 use alloc::vec::Vec;
@@ -94,7 +94,7 @@ impl InnerSphereTree {
 
 impl Overlap {
     /// From sums in A's unscaled frame, for A at `scale`.
-    fn new(totals: &Totals, law: ForceLaw, scale: f32) -> Self {
+    pub(crate) fn new(totals: &Totals, law: ForceLaw, scale: f32) -> Self {
         if totals.volume <= 0.0 {
             return Self { pairs: totals.pairs, intersects: totals.inner_balls_meet, ..Self::default() };
         }

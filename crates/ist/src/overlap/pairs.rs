@@ -7,21 +7,21 @@ const BATCH: usize = 256;
 
 /// A batch of overlapping pairs, struct-of-arrays, everything in A's frame.
 #[derive(Clone, Debug, Default)]
-pub(super) struct PairBuffer {
-    pub(super) a: BallLanes,
-    pub(super) b: BallLanes,
+pub(crate) struct PairBuffer {
+    pub(crate) a: BallLanes,
+    pub(crate) b: BallLanes,
     len: usize,
 }
 
 /// One side of the pairs.
 #[derive(Clone, Debug)]
-pub(super) struct BallLanes {
-    pub(super) x: [f32; BATCH],
-    pub(super) y: [f32; BATCH],
-    pub(super) z: [f32; BATCH],
-    pub(super) radius: [f32; BATCH],
+pub(crate) struct BallLanes {
+    pub(crate) x: [f32; BATCH],
+    pub(crate) y: [f32; BATCH],
+    pub(crate) z: [f32; BATCH],
+    pub(crate) radius: [f32; BATCH],
     /// Position in the order of the side's tree.
-    pub(super) index: [u32; BATCH],
+    pub(crate) index: [u32; BATCH],
 }
 
 impl Default for BallLanes {
@@ -32,11 +32,11 @@ impl Default for BallLanes {
 }
 
 impl PairBuffer {
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.len
     }
 
-    pub(super) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.len = 0;
     }
 

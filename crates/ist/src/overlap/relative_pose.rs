@@ -10,22 +10,22 @@ use glamx::Pose3;
 ///
 /// Trees keep the numbers of their packing whatever their scale; so do queries, and only the result is scaled.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct RelativePose {
+pub(crate) struct RelativePose {
     /// Rotation of B in A's frame.
-    pub(super) rotation: Mat3,
+    pub(crate) rotation: Mat3,
     /// Rotation times relative scale.
     linear: Mat3,
-    translation: Vec3,
+    pub(crate) translation: Vec3,
     /// Scale of B relative to A.
-    pub(super) scale: f32,
+    pub(crate) scale: f32,
     /// Skins of A and B, in A's unscaled frame.
-    pub(super) skin_a: f32,
-    skin_b: f32,
+    pub(crate) skin_a: f32,
+    pub(crate) skin_b: f32,
 }
 
 impl RelativePose {
     /// From the pose of `b`'s frame in `a`'s frame; `None` where it is not finite or has no rotation.
-    pub(super) fn new(a: &InnerSphereTree, b: &InnerSphereTree, pose: &Pose3) -> Option<Self> {
+    pub(crate) fn new(a: &InnerSphereTree, b: &InnerSphereTree, pose: &Pose3) -> Option<Self> {
         let length = pose.rotation.length();
         if !(pose.is_finite() && length > 0.5 && length < 2.0) {
             return None;
@@ -44,7 +44,7 @@ impl RelativePose {
 
     /// The block of `level` that begins at ball `first`, in A's frame.
     #[inline(always)]
-    pub(super) fn transform_block<S: Simd>(&self, simd: S, level: &Balls, first: usize) -> Block {
+    pub(crate) fn transform_block<S: Simd>(&self, simd: S, level: &Balls, first: usize) -> Block {
         let load = |array: &[f32]| f32x8::from_slice(simd, &array[first..first + WIDTH]);
         let (x, y, z) = (load(&level.x), load(&level.y), load(&level.z));
         let row = |i: usize| {

@@ -10,40 +10,40 @@ use glam::{DVec3, Mat3, Vec3};
 
 /// Sum of forces and of their torques about A's origin, in A's frame.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct WrenchSum {
-    pub(super) force: DVec3,
-    pub(super) torque: DVec3,
+pub(crate) struct WrenchSum {
+    pub(crate) force: DVec3,
+    pub(crate) torque: DVec3,
 }
 
 /// Sums over all overlapping pairs, in A's unscaled frame.
 ///
 /// A batch is summed in f32 lanes and the batches in f64; the order is fixed, so equal input gives equal bits.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Totals {
-    pub(super) pairs: u32,
-    pub(super) volume: f64,
+pub(crate) struct Totals {
+    pub(crate) pairs: u32,
+    pub(crate) volume: f64,
     /// Volume times centroid.
-    pub(super) moment: DVec3,
+    pub(crate) moment: DVec3,
     /// Σ A n with the centre-line normals n from A to B: minus the gradient of the volume.
-    pub(super) gradient: WrenchSum,
+    pub(crate) gradient: WrenchSum,
     /// Σ V n with the stored outward normals of A's spheres.
-    pub(super) normals_a: WrenchSum,
+    pub(crate) normals_a: WrenchSum,
     /// Σ V n with the stored outward normals of B's spheres.
-    pub(super) normals_b: WrenchSum,
+    pub(crate) normals_b: WrenchSum,
     /// Whether two certified inner balls meet.
     pub(super) inner_balls_meet: bool,
 }
 
 /// Adds every pair to [`Totals`].
-pub(super) struct TotalsSink<'a> {
+pub(crate) struct TotalsSink<'a> {
     a: &'a TreeData,
     b: &'a TreeData,
     pose: &'a RelativePose,
-    pub(super) totals: Totals,
+    pub(crate) totals: Totals,
 }
 
 impl<'a> TotalsSink<'a> {
-    pub(super) fn new((a, b): (&'a TreeData, &'a TreeData), pose: &'a RelativePose) -> Self {
+    pub(crate) fn new((a, b): (&'a TreeData, &'a TreeData), pose: &'a RelativePose) -> Self {
         Self { a, b, pose, totals: Totals::default() }
     }
 

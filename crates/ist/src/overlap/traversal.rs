@@ -11,7 +11,7 @@ use crate::tree::{TreeData, WIDTH};
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
 
 /// Takes the overlapping pairs, a batch at a time.
-pub(super) trait PairSink {
+pub(crate) trait PairSink {
     /// Called with at least one pair; lanes behind the last pair up to a whole block are padding that
     /// overlaps nothing.
     fn take<S: Simd>(&mut self, simd: S, pairs: &PairBuffer);
@@ -87,14 +87,14 @@ fn descend_alone<S: Simd>(
 
 /// A's tree and the thickness by which its balls are enlarged.
 #[derive(Clone, Copy)]
-struct Skinned<'a> {
-    data: &'a TreeData,
-    skin: f32,
+pub(crate) struct Skinned<'a> {
+    pub(crate) data: &'a TreeData,
+    pub(crate) skin: f32,
 }
 
 /// One ball of B in A's frame, in every lane.
 #[derive(Clone, Copy)]
-struct Ball<S: Simd> {
+pub(crate) struct Ball<S: Simd> {
     x: f32x8<S>,
     y: f32x8<S>,
     z: f32x8<S>,
@@ -103,7 +103,7 @@ struct Ball<S: Simd> {
 
 impl<S: Simd> Ball<S> {
     #[inline(always)]
-    fn of(simd: S, block: &Block, lane: usize) -> Self {
+    pub(crate) fn of(simd: S, block: &Block, lane: usize) -> Self {
         Self {
             x: f32x8::splat(simd, block.x[lane]),
             y: f32x8::splat(simd, block.y[lane]),
@@ -189,7 +189,7 @@ fn keep_touching<S: Simd>(simd: S, list: &Candidates, ball: &Ball<S>, kept: &mut
 
 /// Appends to `kept` the balls on `level` of A below those of `list` that meet `ball`.
 #[inline(always)]
-fn expand<S: Simd>(
+pub(crate) fn expand<S: Simd>(
     simd: S,
     a: Skinned,
     (list, level): (&Candidates, usize),
@@ -207,7 +207,7 @@ fn expand<S: Simd>(
 
 /// Appends the pairs of sphere `ball` of B (number `index` of its leaves) with the spheres of `list`.
 #[inline(always)]
-fn append_pairs<S: Simd>(
+pub(crate) fn append_pairs<S: Simd>(
     simd: S,
     list: &Candidates,
     (ball, index): (Ball<S>, usize),
@@ -239,7 +239,7 @@ fn append_pairs<S: Simd>(
 }
 
 #[inline(always)]
-fn flush<S: Simd>(simd: S, pairs: &mut PairBuffer, sink: &mut impl PairSink) {
+pub(crate) fn flush<S: Simd>(simd: S, pairs: &mut PairBuffer, sink: &mut impl PairSink) {
     if pairs.len() > 0 {
         pairs.pad();
         sink.take(simd, pairs);

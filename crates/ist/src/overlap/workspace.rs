@@ -23,25 +23,25 @@ pub struct OverlapWorkspace {
 
 /// Balls of A in struct-of-arrays order with their index in their level.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Candidates {
-    pub(super) x: Vec<f32>,
-    pub(super) y: Vec<f32>,
-    pub(super) z: Vec<f32>,
-    pub(super) radius: Vec<f32>,
-    pub(super) index: Vec<u32>,
-    pub(super) len: usize,
+pub(crate) struct Candidates {
+    pub(crate) x: Vec<f32>,
+    pub(crate) y: Vec<f32>,
+    pub(crate) z: Vec<f32>,
+    pub(crate) radius: Vec<f32>,
+    pub(crate) index: Vec<u32>,
+    pub(crate) len: usize,
 }
 
 /// Up to eight siblings of B, transformed into A's frame.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Block {
-    pub(super) x: [f32; WIDTH],
-    pub(super) y: [f32; WIDTH],
-    pub(super) z: [f32; WIDTH],
-    pub(super) radius: [f32; WIDTH],
+pub(crate) struct Block {
+    pub(crate) x: [f32; WIDTH],
+    pub(crate) y: [f32; WIDTH],
+    pub(crate) z: [f32; WIDTH],
+    pub(crate) radius: [f32; WIDTH],
     /// Index in its level of the next sibling to visit, and one past the last.
-    pub(super) next: usize,
-    pub(super) end: usize,
+    pub(crate) next: usize,
+    pub(crate) end: usize,
 }
 
 impl OverlapWorkspace {
@@ -64,7 +64,7 @@ impl OverlapWorkspace {
 
 impl Candidates {
     /// Room for `most` balls and the surplus lanes of a block store behind them.
-    fn fit(&mut self, most: usize) {
+    pub(crate) fn fit(&mut self, most: usize) {
         let room = most + WIDTH;
         if self.x.len() < room {
             for array in [&mut self.x, &mut self.y, &mut self.z, &mut self.radius] {
