@@ -20,6 +20,9 @@ pub struct Lens {
     pub centroid: f64,
     /// Signed distance of the intersection circle's plane from the first centre (m).
     pub circle: f64,
+    /// Second derivative of the volume by the distance d of the centres (m): with the disc's area π(a² − x²) and
+    /// dx/dd = (d − x)/d it is 2πx(d − x)/d. Zero where one ball contains the other.
+    pub curvature: f64,
 }
 
 impl Lens {
@@ -30,7 +33,7 @@ impl Lens {
     pub fn new(a: f64, b: f64, d: f64) -> Self {
         let h = a + b - d;
         if h <= 0.0 {
-            return Self { volume: 0.0, area: 0.0, centroid: 0.0, circle: 0.0 };
+            return Self { volume: 0.0, area: 0.0, centroid: 0.0, circle: 0.0, curvature: 0.0 };
         }
         // Concentric balls: any positive distance gives the same clamped heights.
         let d = d.max(f64::MIN_POSITIVE.sqrt());
@@ -40,11 +43,14 @@ impl Lens {
         let volume = PI / 3.0 * h_a * h_a * (3.0 * a - h_a) + cap_b;
         let moment_a = PI / 4.0 * (h_a * (2.0 * a - h_a)).powi(2);
         let moment_b = PI / 4.0 * (h_b * (2.0 * b - h_b)).powi(2);
+        let area = PI * h_a * (2.0 * a - h_a);
+        let curvature = if area > 0.0 { 2.0 * PI * (a - h_a) * (b - h_b) / d } else { 0.0 };
         Self {
             volume,
-            area: PI * h_a * (2.0 * a - h_a),
+            area,
             centroid: (moment_a + d * cap_b - moment_b) / volume,
             circle: a - h_a,
+            curvature,
         }
     }
 }
@@ -101,6 +107,17 @@ mod tests {
             let e = 1e-5;
             let slope = (Lens::new(a, b, d + e).volume - Lens::new(a, b, d - e).volume) / (2.0 * e);
             prop_assert!((Lens::new(a, b, d).area + slope).abs() < 1e-6);
+        }
+
+        #[test]
+        fn curvature_is_minus_the_derivative_of_the_area(
+            a in 0.1_f64..2.0, b in 0.1_f64..2.0, t in 0.05_f64..0.95,
+        ) {
+            let d = (a - b).abs() + t * (a + b - (a - b).abs());
+            let e = 1e-6 * d;
+            let slope = (Lens::new(a, b, d + e).area - Lens::new(a, b, d - e).area) / (2.0 * e);
+            let lens = Lens::new(a, b, d);
+            prop_assert!((lens.curvature + slope).abs() < 1e-6 * lens.curvature.abs().max(1.0));
         }
 
         #[test]

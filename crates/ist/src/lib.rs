@@ -39,19 +39,27 @@
 extern crate alloc;
 
 mod file;
+mod grid;
 pub mod lens;
 mod overlap;
 mod packing;
+mod proximity;
 pub mod reference;
 mod solid;
 mod sphere;
-mod time_critical;
 mod tree;
 
 pub use file::{FileError, Provenance};
-pub use overlap::{ContactSample, ForceLaw, Overlap, OverlapWorkspace, SurfaceDistance};
+pub use grid::SphereGrid;
+pub use overlap::{
+    Budget, ContactSample, DeepestPair, Engine, ForceLaw, Overlap, OverlapEstimate, OverlapQuery,
+    OverlapWorkspace, Stiffness, SurfaceDistance, TimeCriticalWorkspace,
+};
 pub use packing::{PackingError, SpherePacking};
+pub use proximity::{
+    BallKind, DistanceOptions, Impact, ImpactOptions, NearestSphere, Penetration, ProximityWorkspace, Ray,
+    RayHit, RigidMotion, Separation, TimeOfImpact,
+};
 pub use solid::SolidProperties;
 pub use sphere::InnerSphere;
-pub use time_critical::{Budget, OverlapEstimate, TimeCriticalWorkspace};
 pub use tree::InnerSphereTree;

@@ -26,6 +26,10 @@ pub enum ForceLaw {
 /// the gradient is still right to 2.5–7.5° (medians) in deep overlap, where its length goes down to 0.1.
 const SIGNIFICANT: f64 = 0.2;
 
+/// Length of a sum of forces, in units of the length that it is to have, below which they count as opposed to each other
+/// and as having no direction: the rounding of sums in f32. Coincident solids have opposed normals.
+const OPPOSED: f64 = 1e-6;
+
 impl ForceLaw {
     pub(super) fn wrench(self, totals: &Totals) -> WrenchSum {
         match self {
@@ -56,12 +60,8 @@ fn blended(totals: &Totals) -> WrenchSum {
 
 /// `wrench` scaled so that its force has length `length`.
 fn scaled(wrench: &WrenchSum, length: f64) -> WrenchSum {
-    let size = wrench.force.length();
-    if size < f64::MIN_POSITIVE.sqrt() {
-        // No direction: nothing is pushed. The quotient would overflow.
-        return WrenchSum::default();
-    }
-    let factor = length / size;
+    let force = wrench.force.length();
+    let factor = if force > length * OPPOSED { length / force } else { 0.0 };
     WrenchSum { force: wrench.force * factor, torque: wrench.torque * factor }
 }
 

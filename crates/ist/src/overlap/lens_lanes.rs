@@ -1,36 +1,46 @@
 //! The lens of eight pairs at once: [`crate::lens`] in f32.
 
-use super::pairs::{BallLanes, PairBuffer};
-use crate::tree::WIDTH;
+use super::pairs::PairBuffer;
+use crate::tree::{BallBlock, WIDTH};
 use core::f32::consts::PI;
-use fearless_simd::{Simd, f32x8, prelude::*};
+use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 
 /// Three coordinates of eight points.
 #[derive(Clone, Copy)]
-pub(crate) struct Lanes3<S: Simd> {
-    pub(crate) x: f32x8<S>,
-    pub(crate) y: f32x8<S>,
-    pub(crate) z: f32x8<S>,
+pub(super) struct Lanes3<S: Simd> {
+    pub(super) x: f32x8<S>,
+    pub(super) y: f32x8<S>,
+    pub(super) z: f32x8<S>,
 }
 
 impl<S: Simd> Lanes3<S> {
     #[inline(always)]
-    pub(crate) fn plus(self, other: Self) -> Self {
+    pub(super) fn plus(self, other: Self) -> Self {
         Self { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }
     }
 
     #[inline(always)]
-    pub(crate) fn add_scaled(self, factor: f32x8<S>, other: Self) -> Self {
+    pub(super) fn minus(self, other: Self) -> Self {
+        Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
+    }
+
+    #[inline(always)]
+    pub(super) fn dot(self, other: Self) -> f32x8<S> {
+        self.x * other.x + self.y * other.y + self.z * other.z
+    }
+
+    #[inline(always)]
+    pub(super) fn add_scaled(self, factor: f32x8<S>, other: Self) -> Self {
         Self { x: self.x + factor * other.x, y: self.y + factor * other.y, z: self.z + factor * other.z }
     }
 
     #[inline(always)]
-    pub(crate) fn scale(self, factor: f32x8<S>) -> Self {
+    pub(super) fn scale(self, factor: f32x8<S>) -> Self {
         Self { x: self.x * factor, y: self.y * factor, z: self.z * factor }
     }
 
     #[inline(always)]
-    pub(crate) fn cross(self, other: Self) -> Self {
+    pub(super) fn cross(self, other: Self) -> Self {
         Self {
             x: self.y * other.z - self.z * other.y,
             y: self.z * other.x - self.x * other.z,
@@ -39,36 +49,81 @@ impl<S: Simd> Lanes3<S> {
     }
 }
 
-/// Eight lenses, in A's frame.
+/// The balls of eight pairs, in A's frame.
 #[derive(Clone, Copy)]
-pub(crate) struct LensLanes<S: Simd> {
-    pub(crate) volume: f32x8<S>,
-    /// Area of the disc inside the intersection circle; zero where one ball contains the other.
-    pub(crate) area: f32x8<S>,
-    /// Unit vector from A's centre to B's; zero for concentric balls.
-    pub(crate) axis: Lanes3<S>,
-    /// First moment of the lens about A's origin, that is volume times centroid.
-    pub(crate) moment: Lanes3<S>,
-    pub(crate) center_a: Lanes3<S>,
+pub(super) struct PairLanes<S: Simd> {
+    pub(super) center_a: Lanes3<S>,
+    pub(super) center_b: Lanes3<S>,
+    pub(super) radius_a: f32x8<S>,
+    pub(super) radius_b: f32x8<S>,
+    /// Lanes that hold a pair.
+    pub(super) live: mask32x8<S>,
 }
 
-impl<S: Simd> LensLanes<S> {
-    /// The lenses of the block of pairs that begins at `first`.
+impl<S: Simd> PairLanes<S> {
+    /// The block of `pairs` that begins at `first`. `a` are A's leaves without their skin, `placed` B's in A's frame.
     #[inline(always)]
-    pub(crate) fn new(simd: S, pairs: &PairBuffer, first: usize) -> Self {
-        let load = |array: &[f32]| f32x8::from_slice(simd, &array[first..first + WIDTH]);
-        let center = |side: &BallLanes| Lanes3 { x: load(&side.x), y: load(&side.y), z: load(&side.z) };
-        let (ca, cb) = (center(&pairs.a), center(&pairs.b));
-        let (a, b) = (load(&pairs.a.radius), load(&pairs.b.radius));
-        let delta = Lanes3 { x: cb.x - ca.x, y: cb.y - ca.y, z: cb.z - ca.z };
-        let d = (delta.x * delta.x + delta.y * delta.y + delta.z * delta.z).sqrt();
-        // Concentric balls: any small distance gives the same clamped heights, if it is taken everywhere. A fixed one
-        // would overflow for large balls.
-        let d = d.max((a + b) * 1e-7).max(f32::MIN_POSITIVE);
+    pub(super) fn gather(
+        simd: S,
+        pairs: &PairBuffer,
+        first: usize,
+        (a, skin_a): (&[BallBlock], f32),
+        placed: &[BallBlock],
+    ) -> Self {
+        let (center_a, radius_a) = balls(simd, a, &pairs.a[first..first + WIDTH]);
+        let (center_b, radius_b) = balls(simd, placed, &pairs.b[first..first + WIDTH]);
+        let live = mask32x8::from_bitmask(simd, (1 << (pairs.len() - first).min(WIDTH)) - 1);
+        Self { center_a, center_b, radius_a: radius_a + skin_a, radius_b, live }
+    }
+}
+
+/// Centres and radii of the balls at the eight positions of `index`.
+#[inline(always)]
+fn balls<S: Simd>(simd: S, blocks: &[BallBlock], index: &[u32]) -> (Lanes3<S>, f32x8<S>) {
+    let block: [&BallBlock; WIDTH] = core::array::from_fn(|i| &blocks[index[i] as usize / WIDTH]);
+    let lane: [usize; WIDTH] = core::array::from_fn(|i| index[i] as usize % WIDTH);
+    let center = Lanes3 {
+        x: f32x8::from_fn(simd, |i| block[i].x[lane[i]]),
+        y: f32x8::from_fn(simd, |i| block[i].y[lane[i]]),
+        z: f32x8::from_fn(simd, |i| block[i].z[lane[i]]),
+    };
+    (center, f32x8::from_fn(simd, |i| block[i].radius[lane[i]]))
+}
+
+/// Eight lenses, in A's frame; all zero in lanes without a pair.
+#[derive(Clone, Copy)]
+pub(super) struct LensLanes<S: Simd> {
+    pub(super) volume: f32x8<S>,
+    /// Area of the disc inside the intersection circle; zero where one ball contains the other.
+    pub(super) area: f32x8<S>,
+    /// Unit vector from A's centre to B's; zero for concentric balls.
+    pub(super) axis: Lanes3<S>,
+    /// First moment of the lens about A's origin, that is volume times centroid.
+    pub(super) moment: Lanes3<S>,
+    /// Depth of the overlap along the axis, at most the diameter of the smaller ball.
+    pub(super) depth: f32x8<S>,
+    /// V'/d, with V' = −area the derivative of the volume by the distance d; zero for concentric balls.
+    pub(super) transverse: f32x8<S>,
+    /// V'' − V'/d; zero for concentric balls.
+    pub(super) longitudinal: f32x8<S>,
+}
+
+/// Distance of two centres, relative to the sum of the radii, below which balls count as concentric.
+const CONCENTRIC: f32 = 1e-6;
+
+impl<S: Simd> LensLanes<S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S, pairs: &PairLanes<S>) -> Self {
+        let PairLanes { center_a, center_b, radius_a: a, radius_b: b, live } = *pairs;
+        let delta = center_b.minus(center_a);
+        let zero = f32x8::splat(simd, 0.0);
+        let sum = a + b;
+        // Concentric balls: any small positive distance gives the same clamped heights.
+        let (distance, concentric) = (delta.dot(delta).sqrt(), sum * CONCENTRIC + f32::MIN_POSITIVE);
+        let d = distance.max(concentric);
         let inverse = f32x8::splat(simd, 1.0) / d;
         let axis = delta.scale(inverse);
-        let h = a + b - d;
-        let zero = f32x8::splat(simd, 0.0);
+        let h = live.select(sum - d, zero);
         let half = h * inverse * 0.5;
         let h_a = (half * (b - a + d)).max(zero).min(a * 2.0);
         let h_b = (half * (a - b + d)).max(zero).min(b * 2.0);
@@ -76,12 +131,19 @@ impl<S: Simd> LensLanes<S> {
         let cap_b = h_b * h_b * (b * 3.0 - h_b) * (PI / 3.0);
         let volume = h_a * h_a * (a * 3.0 - h_a) * (PI / 3.0) + cap_b;
         let along = (chord_a * chord_a - chord_b * chord_b) * (PI / 4.0) + d * cap_b;
+        let area = chord_a * PI;
+        // The disc is at a − h_a from A's centre and at b − h_b from B's; contained balls have none.
+        let disc = chord_a.simd_gt(zero) & distance.simd_gt(concentric);
+        let transverse = disc.select(zero - area * inverse, zero);
+        let second = disc.select((a - h_a) * (b - h_b) * inverse * (2.0 * PI), zero);
         Self {
             volume,
-            area: chord_a * PI,
+            area,
             axis,
-            moment: ca.scale(volume).add_scaled(along, axis),
-            center_a: ca,
+            moment: center_a.scale(volume).add_scaled(along, axis),
+            depth: h.min(a * 2.0).min(b * 2.0),
+            transverse,
+            longitudinal: second - transverse,
         }
     }
 }

@@ -2,13 +2,19 @@
 
 mod caps;
 mod force_law;
-pub(crate) mod lens_lanes;
-pub(crate) mod pairs;
-pub(crate) mod relative_pose;
+mod grid_engine;
+mod grid_search;
+mod lanes;
+mod lens_lanes;
+mod pairs;
+mod query;
+mod relative_pose;
 mod samples;
-pub(crate) mod totals;
-pub(crate) mod traversal;
-pub(crate) mod workspace;
+mod stiffness;
+mod time_critical;
+mod totals;
+mod traversal;
+mod workspace;
 
 use crate::InnerSphereTree;
 use alloc::vec::Vec;
@@ -17,8 +23,12 @@ use fearless_simd::{Level, dispatch};
 pub use force_law::ForceLaw;
 use glam::Vec3;
 use glamx::Pose3;
+pub use query::{Engine, OverlapQuery};
 use relative_pose::RelativePose;
 pub use samples::ContactSample;
+use samples::LensSink;
+pub use stiffness::Stiffness;
+pub use time_critical::{Budget, OverlapEstimate, TimeCriticalWorkspace};
 use totals::{Totals, TotalsSink};
 use traversal::for_each_pair;
 pub use workspace::OverlapWorkspace;
@@ -40,10 +50,23 @@ pub struct Overlap {
     pub force: Vec3,
     /// Torque on B about [`Self::centroid`] (N·m for 1 N/m³) by the force law; A feels the opposite.
     pub torque: Vec3,
+    /// How the wrench of the volume's gradient answers to displacements of B, if [`OverlapQuery::stiffness`] asked for it.
+    pub stiffness: Option<Stiffness>,
+    /// The deepest of the overlapping pairs of spheres, where there is one.
+    pub deepest: Option<DeepestPair>,
     /// Overlapping pairs of spheres.
     pub pairs: u32,
     /// Whether two certified inner balls meet: never true for solids that are apart.
     pub intersects: bool,
+}
+
+/// Two overlapping spheres.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DeepestPair {
+    /// Indices of the spheres in the packings of A and B.
+    pub spheres: [usize; 2],
+    /// How far their volume balls overlap along the line of their centres (m), at most the diameter of the smaller one.
+    pub depth: f32,
 }
 
 impl InnerSphereTree {
@@ -54,23 +77,25 @@ impl InnerSphereTree {
     /// where the pose is not finite or its quaternion far from unit length.
     #[must_use]
     pub fn overlap(&self, other: &Self, pose: &Pose3, workspace: &mut OverlapWorkspace) -> Overlap {
-        self.overlap_with_law(other, pose, ForceLaw::Blended, workspace)
+        self.overlap_with(other, pose, OverlapQuery::default(), workspace)
     }
 
-    /// As [`Self::overlap`], with the force of `law`.
+    /// As [`Self::overlap`], as `query` says.
     #[must_use]
-    pub fn overlap_with_law(
+    pub fn overlap_with(
         &self,
         other: &Self,
         pose: &Pose3,
-        law: ForceLaw,
+        query: OverlapQuery,
         workspace: &mut OverlapWorkspace,
     ) -> Overlap {
         let Some(pose) = RelativePose::new(self, other, pose) else { return Overlap::default() };
-        let trees = (self.data(), other.data());
-        let mut sink = TotalsSink::new(trees, &pose);
-        dispatch!(Level::new(), simd => for_each_pair(simd, trees, &pose, workspace, &mut sink));
-        Overlap::new(&sink.totals, law, self.scale())
+        let totals = if query.stiffness {
+            totals::<true>([self, other], &pose, query.engine, workspace)
+        } else {
+            totals::<false>([self, other], &pose, query.engine, workspace)
+        };
+        Overlap::new(&totals, query, [self, other])
     }
 
     /// The overlap of this solid (A) with `other` (B) as one sample per overlapping pair of spheres, in A's
@@ -86,23 +111,42 @@ impl InnerSphereTree {
         let trees = (self.data(), other.data());
         let mut lenses = core::mem::take(&mut workspace.lenses);
         lenses.clear(trees.0, trees.1);
-        dispatch!(Level::new(), simd => for_each_pair(simd, trees, &pose, workspace, &mut lenses));
+        let leaves_a = (&*trees.0.levels[0].blocks, pose.skin_a);
+        let mut sink = LensSink { lenses: &mut lenses, leaves_a };
+        dispatch!(Level::new(), simd => for_each_pair(simd, trees, &pose, workspace, &mut sink));
         lenses.append_samples(trees, &pose, self.scale(), samples);
         workspace.lenses = lenses;
     }
 }
 
+/// Sums over all pairs of overlapping spheres.
+fn totals<const STIFFNESS: bool>(
+    [a, b]: [&InnerSphereTree; 2],
+    pose: &RelativePose,
+    engine: Engine,
+    workspace: &mut OverlapWorkspace,
+) -> Totals {
+    let trees = (a.data(), b.data());
+    if let Some(grids) = engine.grids([a, b], pose) {
+        return grid_engine::totals::<STIFFNESS>(trees, grids, workspace);
+    }
+    let mut sink = TotalsSink::<STIFFNESS>::new(trees, pose);
+    dispatch!(Level::new(), simd => for_each_pair(simd, trees, pose, workspace, &mut sink));
+    sink.totals
+}
+
 impl Overlap {
-    /// From sums in A's unscaled frame, for A at `scale`.
-    pub(crate) fn new(totals: &Totals, law: ForceLaw, scale: f32) -> Self {
+    /// From sums in the unscaled frame of `a`.
+    fn new(totals: &Totals, query: OverlapQuery, [a, b]: [&InnerSphereTree; 2]) -> Self {
         if totals.volume <= 0.0 {
             return Self { pairs: totals.pairs, intersects: totals.inner_balls_meet, ..Self::default() };
         }
-        let scale = f64::from(scale);
+        let scale = f64::from(a.scale());
         let (scale2, scale3) = (scale * scale, scale * scale * scale);
         let centroid = totals.moment / totals.volume;
         let about_centroid = |wrench: &totals::WrenchSum| wrench.torque - centroid.cross(wrench.force);
-        let wrench = law.wrench(totals);
+        let wrench = query.law.wrench(totals);
+        let [in_a, in_b] = totals.deepest.spheres;
         Self {
             volume: (totals.volume * scale3) as f32,
             centroid: (centroid * scale).as_vec3(),
@@ -110,11 +154,22 @@ impl Overlap {
             rotation_gradient: (about_centroid(&totals.gradient) * -scale3).as_vec3(),
             force: (wrench.force * scale3).as_vec3(),
             torque: (about_centroid(&wrench) * (scale3 * scale)).as_vec3(),
+            stiffness: query
+                .stiffness
+                .then(|| totals.stiffness.about(centroid, totals.gradient.force, scale)),
+            deepest: Some(DeepestPair {
+                spheres: [a.packing_index(in_a as usize), b.packing_index(in_b as usize)],
+                depth: totals.deepest.depth * a.scale(),
+            }),
             pairs: totals.pairs,
             intersects: totals.inner_balls_meet,
         }
     }
 }
 
+#[cfg(test)]
+mod grid_tests;
+#[cfg(test)]
+mod stiffness_tests;
 #[cfg(test)]
 mod tests;

@@ -5,11 +5,10 @@
 //! share a sphere with a lens are added up first; where they cancel, deep inside, the stored outward normals take
 //! over, continuously.
 
-use super::lens_lanes::LensLanes;
-use super::pairs::PairBuffer;
+use super::lens_lanes::{LensLanes, PairLanes};
+use super::pairs::{PairBuffer, PairSink};
 use super::relative_pose::RelativePose;
-use super::traversal::PairSink;
-use crate::tree::{TreeData, WIDTH};
+use crate::tree::{BallBlock, TreeData, WIDTH};
 use alloc::vec::Vec;
 use fearless_simd::Simd;
 use glam::Vec3;
@@ -102,23 +101,31 @@ impl Lenses {
     }
 }
 
-impl PairSink for Lenses {
+/// Keeps the lens of every pair.
+pub(super) struct LensSink<'a> {
+    pub(super) lenses: &'a mut Lenses,
+    /// A's leaves, and the skin on them.
+    pub(super) leaves_a: (&'a [BallBlock], f32),
+}
+
+impl PairSink for LensSink<'_> {
     #[inline(always)]
-    fn take<S: Simd>(&mut self, simd: S, pairs: &PairBuffer) {
+    fn take<S: Simd>(&mut self, simd: S, pairs: &PairBuffer, placed: &[BallBlock]) {
         for first in (0..pairs.len()).step_by(WIDTH) {
-            let lens = LensLanes::new(simd, pairs, first);
+            let balls = PairLanes::gather(simd, pairs, first, self.leaves_a, placed);
+            let lens = LensLanes::new(simd, &balls);
             for lane in 0..WIDTH.min(pairs.len() - first) {
                 let volume = lens.volume[lane];
                 if volume <= 0.0 {
                     continue;
                 }
                 let moment = Vec3::new(lens.moment.x[lane], lens.moment.y[lane], lens.moment.z[lane]);
-                self.lenses.push(Lens {
+                self.lenses.lenses.push(Lens {
                     centroid: moment / volume,
                     axis: Vec3::new(lens.axis.x[lane], lens.axis.y[lane], lens.axis.z[lane]),
                     volume,
                     area: lens.area[lane],
-                    spheres: [pairs.a.index[first + lane], pairs.b.index[first + lane]],
+                    spheres: [pairs.a[first + lane], pairs.b[first + lane]],
                 });
             }
         }

@@ -8,13 +8,17 @@ use alloc::vec::Vec;
 use glam::{DQuat, DVec3, Quat};
 use proptest::prelude::*;
 
-fn random_pose(reach: f32) -> impl Strategy<Value = Pose3> {
+pub(super) fn random_pose(reach: f32) -> impl Strategy<Value = Pose3> {
     (prop::array::uniform3(-reach..reach), prop::array::uniform3(-3.0_f32..3.0))
         .prop_map(|(t, r)| Pose3::from_parts(t.into(), Quat::from_scaled_axis(r.into())))
 }
 
-fn tree(packing: &SpherePacking) -> InnerSphereTree {
+pub(super) fn tree(packing: &SpherePacking) -> InnerSphereTree {
     InnerSphereTree::new(packing)
+}
+
+fn with_law(law: ForceLaw) -> OverlapQuery {
+    OverlapQuery { law, ..OverlapQuery::default() }
 }
 
 fn ball(radius: f32) -> InnerSphereTree {
@@ -53,8 +57,8 @@ proptest! {
         let (a, b) = (tree(&a), tree(&b));
         let mut workspace = OverlapWorkspace::default();
         for law in [ForceLaw::VolumeGradient, ForceLaw::OutwardNormals, ForceLaw::Blended] {
-            let ab = a.overlap_with_law(&b, &pose, law, &mut workspace);
-            let ba = b.overlap_with_law(&a, &pose.inverse(), law, &mut workspace);
+            let ab = a.overlap_with(&b, &pose, with_law(law), &mut workspace);
+            let ba = b.overlap_with(&a, &pose.inverse(), with_law(law), &mut workspace);
             prop_assert!((ab.volume - ba.volume).abs() <= 1e-4 * ab.volume.max(1e-3));
             let size = ab.force.length() + 0.02 * ab.volume.max(1e-3);
             prop_assert!((ab.force + pose.rotation * ba.force).length() <= 3e-3 * size);
@@ -153,14 +157,17 @@ fn concentric_balls_overlap_in_the_smaller() {
     assert!(overlap.centroid.is_finite() && overlap.force.is_finite() && overlap.torque.is_finite());
 }
 
-/// Equal balls about one centre had no lens in f32: the floor of the distance was not taken everywhere.
 #[test]
-fn issue_coincident_balls_have_no_overlap() {
-    for radius in [1e-4, 0.3, 1.0, 1e4_f32] {
+fn coincident_solids_overlap_wholly() {
+    for radius in [1e-4, 1.0, 5.0, 1e4] {
         let solid = ball(radius);
-        let overlap = solid.overlap(&solid, &Pose3::IDENTITY, &mut OverlapWorkspace::default());
-        let volume = crate::lens::Lens::new(f64::from(radius), f64::from(radius), 0.0).volume;
-        assert!((f64::from(overlap.volume) / volume - 1.0).abs() < 1e-5, "{radius}");
+        let query = OverlapQuery { stiffness: true, ..OverlapQuery::default() };
+        let overlap = solid.overlap_with(&solid, &Pose3::IDENTITY, query, &mut OverlapWorkspace::default());
+        let volume = solid.solid().volume;
+        assert!((f64::from(overlap.volume) / volume - 1.0).abs() < 1e-5, "{radius}: {}", overlap.volume);
+        assert!(overlap.force.is_finite() && overlap.torque.is_finite());
+        assert!(overlap.stiffness.unwrap().to_rows().as_flattened().iter().all(|x| x.is_finite()));
+        assert!(overlap.intersects);
     }
 }
 

@@ -1,8 +1,9 @@
 //! Memory that queries use again and again.
 
+use super::grid_search::GridScratch;
 use super::pairs::PairBuffer;
 use super::samples::Lenses;
-use crate::tree::{TreeData, WIDTH};
+use crate::tree::{BallBlock, TreeData, WIDTH};
 use alloc::vec::Vec;
 
 /// Scratch memory of an overlap query; keep one per thread and hand it to every query.
@@ -16,32 +17,36 @@ pub struct OverlapWorkspace {
     /// Per level of B's tree: children of the level above's `near` that meet the ball above.
     pub(super) children: Vec<Candidates>,
     /// Per level of B's tree: the current block of B in A's frame.
-    pub(super) blocks: Vec<Block>,
+    pub(super) blocks: Vec<Siblings>,
+    /// Leaves of B in A's frame, as far as they were needed.
+    pub(super) placed: Vec<BallBlock>,
     pub(super) pairs: PairBuffer,
     pub(super) lenses: Lenses,
+    pub(super) grid: GridScratch,
 }
 
 /// Balls of A in struct-of-arrays order with their index in their level.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Candidates {
-    pub(crate) x: Vec<f32>,
-    pub(crate) y: Vec<f32>,
-    pub(crate) z: Vec<f32>,
-    pub(crate) radius: Vec<f32>,
-    pub(crate) index: Vec<u32>,
-    pub(crate) len: usize,
+pub(super) struct Candidates {
+    pub(super) x: Vec<f32>,
+    pub(super) y: Vec<f32>,
+    pub(super) z: Vec<f32>,
+    pub(super) radius: Vec<f32>,
+    pub(super) index: Vec<u32>,
+    pub(super) len: usize,
 }
 
 /// Up to eight siblings of B, transformed into A's frame.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Block {
-    pub(crate) x: [f32; WIDTH],
-    pub(crate) y: [f32; WIDTH],
-    pub(crate) z: [f32; WIDTH],
-    pub(crate) radius: [f32; WIDTH],
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Siblings {
+    pub(super) balls: BallBlock,
     /// Index in its level of the next sibling to visit, and one past the last.
-    pub(crate) next: usize,
-    pub(crate) end: usize,
+    pub(super) next: usize,
+    pub(super) end: usize,
+}
+
+impl Siblings {
+    const NONE: Self = Self { balls: BallBlock::FAR, next: 0, end: 0 };
 }
 
 impl OverlapWorkspace {
@@ -51,27 +56,47 @@ impl OverlapWorkspace {
         if self.near.len() < levels {
             self.near.resize_with(levels, Candidates::default);
             self.children.resize_with(levels, Candidates::default);
-            self.blocks.resize_with(levels, Block::default);
+            self.blocks.resize(levels, Siblings::NONE);
         }
         for level in 0..levels {
-            let most = a.levels[level.min(a.height())].x.len();
+            let most = a.levels[level.min(a.height())].blocks.len() * WIDTH;
             self.near[level].fit(most);
             self.children[level].fit(most);
+        }
+        if self.placed.len() < b.levels[0].blocks.len() {
+            self.placed.resize(b.levels[0].blocks.len(), BallBlock::FAR);
         }
         self.pairs.clear();
     }
 }
 
 impl Candidates {
+    pub(super) fn clear(&mut self) {
+        self.len = 0;
+    }
+
+    /// Room for `more` balls behind those in the list, whatever their number was.
+    #[inline(always)]
+    pub(super) fn make_room(&mut self, more: usize) {
+        if self.len + more + WIDTH > self.x.len() {
+            self.grow(2 * (self.len + more) + WIDTH);
+        }
+    }
+
     /// Room for `most` balls and the surplus lanes of a block store behind them.
-    pub(crate) fn fit(&mut self, most: usize) {
+    pub(super) fn fit(&mut self, most: usize) {
         let room = most + WIDTH;
         if self.x.len() < room {
-            for array in [&mut self.x, &mut self.y, &mut self.z, &mut self.radius] {
-                array.resize(room, 0.0);
-            }
-            self.index.resize(room, 0);
+            self.grow(room);
         }
         self.len = 0;
+    }
+
+    #[cold]
+    fn grow(&mut self, room: usize) {
+        for array in [&mut self.x, &mut self.y, &mut self.z, &mut self.radius] {
+            array.resize(room, 0.0);
+        }
+        self.index.resize(room, 0);
     }
 }

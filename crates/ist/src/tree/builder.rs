@@ -11,9 +11,30 @@ use alloc::vec;
 use alloc::vec::Vec;
 use glam::Vec3;
 
+/// Directions along which spheres are split: axes, and diagonals of faces and of the cube.
+///
+/// Time of deep queries, two rabbits and two gears of 1,000 spheres: 20.1 and 20.6 ns per pair with splits along the longest
+/// axis, 18.5 and 19.7 with the best of the three axes, 17.9 and 18.6 with the best of these thirteen. The radius as a
+/// fourth axis gained nothing.
+const DIRECTIONS: [Vec3; 13] = [
+    Vec3::X,
+    Vec3::Y,
+    Vec3::Z,
+    Vec3::new(1.0, 1.0, 0.0),
+    Vec3::new(1.0, -1.0, 0.0),
+    Vec3::new(1.0, 0.0, 1.0),
+    Vec3::new(1.0, 0.0, -1.0),
+    Vec3::new(0.0, 1.0, 1.0),
+    Vec3::new(0.0, 1.0, -1.0),
+    Vec3::new(1.0, 1.0, 1.0),
+    Vec3::new(1.0, 1.0, -1.0),
+    Vec3::new(1.0, -1.0, 1.0),
+    Vec3::new(-1.0, 1.0, 1.0),
+];
+
 /// Positions in `spheres` in the order of the tree's leaves.
 pub(super) fn clustered_order(spheres: &[InnerSphere]) -> Vec<u32> {
-    let keys: Vec<[f32; 3]> = spheres.iter().map(|s| s.volume_ball().0.to_array()).collect();
+    let balls: Vec<(Vec3, f32)> = spheres.iter().map(InnerSphere::volume_ball).collect();
     let mut order: Vec<u32> = (0..spheres.len() as u32).collect();
     // Explicit stack: recursion depth would depend on the user's data.
     let mut pending = vec![(0, order.len())];
@@ -21,17 +42,39 @@ pub(super) fn clustered_order(spheres: &[InnerSphere]) -> Vec<u32> {
         if end - start <= WIDTH {
             continue;
         }
-        let middle = start + left_part(end - start);
+        let left = left_part(end - start);
         let part = &mut order[start..end];
-        let axis = longest_axis(part.iter().map(|&i| keys[i as usize]));
-        // Ties broken by index: the order must not depend on how the selection works inside.
-        part.select_nth_unstable_by(middle - start, |&a, &b| {
-            keys[a as usize][axis].total_cmp(&keys[b as usize][axis]).then(a.cmp(&b))
-        });
-        pending.push((start, middle));
-        pending.push((middle, end));
+        let (mut least, mut best) = (f32::INFINITY, DIRECTIONS[0]);
+        for direction in DIRECTIONS {
+            split(part, left, &balls, direction);
+            let (lower, upper) = part.split_at(left);
+            let cost = weighted_size(lower, &balls) + weighted_size(upper, &balls);
+            if cost < least {
+                (least, best) = (cost, direction);
+            }
+        }
+        split(part, left, &balls, best);
+        pending.push((start, start + left));
+        pending.push((start + left, end));
     }
     order
+}
+
+/// Moves the `left` balls that come first along `direction` to the front of `part`.
+fn split(part: &mut [u32], left: usize, balls: &[(Vec3, f32)], direction: Vec3) {
+    let along = |i: u32| balls[i as usize].0.dot(direction);
+    // Ties broken by index: which balls come first must not depend on how the selection works inside.
+    part.select_nth_unstable_by(left, |&a, &b| along(a).total_cmp(&along(b)).then(a.cmp(&b)));
+}
+
+/// Number of the balls of `part` times the diagonal of the box around them.
+fn weighted_size(part: &[u32], balls: &[(Vec3, f32)]) -> f32 {
+    let empty = (Vec3::splat(f32::INFINITY), Vec3::splat(f32::NEG_INFINITY));
+    let (lower, upper) = part.iter().fold(empty, |(lower, upper), &i| {
+        let (center, radius) = balls[i as usize];
+        (lower.min(center - radius), upper.max(center + radius))
+    });
+    part.len() as f32 * lower.distance(upper)
 }
 
 /// How many of `count` spheres go into the left part: half of the subtrees, each a full one.
@@ -42,16 +85,6 @@ fn left_part(count: usize) -> usize {
     }
     let subtrees = count.div_ceil(subtree);
     (subtrees / 2) * subtree
-}
-
-/// The axis along which the points spread most.
-fn longest_axis(points: impl Iterator<Item = [f32; 3]>) -> usize {
-    let (mut lower, mut upper) = (Vec3::splat(f32::INFINITY), Vec3::splat(f32::NEG_INFINITY));
-    for point in points {
-        lower = lower.min(point.into());
-        upper = upper.max(point.into());
-    }
-    (upper - lower).max_position()
 }
 
 /// All levels over `spheres`, from the volume balls up to the single ball around everything.

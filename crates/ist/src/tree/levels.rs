@@ -1,4 +1,4 @@
-//! Balls in struct-of-arrays order, padded so that SIMD code may always load whole blocks.
+//! Balls in blocks of eight, padded so that SIMD code may always load whole blocks.
 
 use super::WIDTH;
 use alloc::vec::Vec;
@@ -7,13 +7,27 @@ use glam::Vec3;
 /// Coordinate of the padding: so far away that no test against it succeeds, and its square is still no NaN.
 const FAR: f32 = 1e30;
 
-/// A list of balls as four arrays, each padded to a multiple of [`WIDTH`].
+/// Eight balls, struct-of-arrays in two cache lines: a block is loaded by vectors and read by single balls, and
+/// either way all that belongs together lies together.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(crate) struct BallBlock {
+    pub(crate) x: [f32; WIDTH],
+    pub(crate) y: [f32; WIDTH],
+    pub(crate) z: [f32; WIDTH],
+    pub(crate) radius: [f32; WIDTH],
+}
+
+impl BallBlock {
+    /// Eight points that are far from everything.
+    pub(crate) const FAR: Self =
+        Self { x: [FAR; WIDTH], y: [FAR; WIDTH], z: [FAR; WIDTH], radius: [0.0; WIDTH] };
+}
+
+/// A list of balls in blocks.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Balls {
-    pub(crate) x: Vec<f32>,
-    pub(crate) y: Vec<f32>,
-    pub(crate) z: Vec<f32>,
-    pub(crate) radius: Vec<f32>,
+    pub(crate) blocks: Vec<BallBlock>,
     len: usize,
 }
 
@@ -22,20 +36,17 @@ impl Balls {
     pub(crate) fn new(balls: impl Iterator<Item = (Vec3, f32)>) -> Self {
         let mut out = Self::default();
         for (center, radius) in balls {
-            out.push(center, radius);
+            let lane = out.len % WIDTH;
+            if lane == 0 {
+                out.blocks.push(BallBlock::FAR);
+            }
+            if let Some(block) = out.blocks.last_mut() {
+                (block.x[lane], block.y[lane], block.z[lane]) = center.into();
+                block.radius[lane] = radius;
+            }
             out.len += 1;
         }
-        while out.x.len() % WIDTH != 0 {
-            out.push(Vec3::splat(FAR), 0.0);
-        }
         out
-    }
-
-    fn push(&mut self, center: Vec3, radius: f32) {
-        self.x.push(center.x);
-        self.y.push(center.y);
-        self.z.push(center.z);
-        self.radius.push(radius);
     }
 
     /// Number of balls without the padding.
@@ -45,6 +56,7 @@ impl Balls {
 
     /// Centre and radius of ball `i`.
     pub(crate) fn get(&self, i: usize) -> (Vec3, f32) {
-        (Vec3::new(self.x[i], self.y[i], self.z[i]), self.radius[i])
+        let (block, lane) = (&self.blocks[i / WIDTH], i % WIDTH);
+        (Vec3::new(block.x[lane], block.y[lane], block.z[lane]), block.radius[lane])
     }
 }

@@ -11,12 +11,12 @@ mod enclosing_ball;
 mod levels;
 mod node_sums;
 
-use crate::{SolidProperties, SpherePacking};
+use crate::{SolidProperties, SphereGrid, SpherePacking};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 pub(crate) use covering_depth::TOLERANCE as DEPTH_TOLERANCE;
 use glam::Vec3;
-pub(crate) use levels::Balls;
+pub(crate) use levels::{BallBlock, Balls};
 pub(crate) use node_sums::{DepthAt, NodeSum, NodeSums};
 
 /// Children per node: the width of one AVX register of f32.
@@ -32,6 +32,7 @@ pub struct InnerSphereTree {
     scale: f32,
     /// Thickness of the skin (m), not scaled.
     skin: f32,
+    grid: Option<SphereGrid>,
 }
 
 /// What all clones and scaled copies of a tree share; lengths are those of the packing.
@@ -70,7 +71,7 @@ impl InnerSphereTree {
             solid: *packing.solid(),
             packing_index: order,
         };
-        Self { data: Arc::new(data), scale: 1.0, skin: 0.0 }
+        Self { data: Arc::new(data), scale: 1.0, skin: 0.0, grid: None }
     }
 
     /// The same solid `factor` times as large (about the origin of its frame), sharing the hierarchy.
@@ -90,6 +91,19 @@ impl InnerSphereTree {
     #[must_use]
     pub fn with_skin(&self, thickness: f32) -> Option<Self> {
         (thickness >= 0.0 && thickness.is_finite()).then(|| Self { skin: thickness, ..self.clone() })
+    }
+
+    /// The same solid with grids, so that queries can use them, see [`Engine`](crate::Engine).
+    #[must_use]
+    pub fn with_grid(&self) -> Self {
+        let grid = self.grid.clone().unwrap_or_else(|| SphereGrid::new(self));
+        Self { grid: Some(grid), ..self.clone() }
+    }
+
+    /// The grids, if it has them.
+    #[must_use]
+    pub fn grid(&self) -> Option<&SphereGrid> {
+        self.grid.as_ref()
     }
 
     /// Number of spheres, at least one.

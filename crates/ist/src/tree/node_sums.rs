@@ -61,7 +61,8 @@ impl NodeSums {
     pub(super) fn new(levels: &[Balls], normals: &[Vec3]) -> Self {
         let leaves = &levels[0];
         let count = leaves.len();
-        let mut radii = leaves.radius[..count].to_vec();
+        let radius = |leaf: usize| leaves.get(leaf).1;
+        let mut radii: Vec<f32> = (0..count).map(radius).collect();
         let (_, median, _) = radii.select_nth_unstable_by(count / 2, f32::total_cmp);
         let skins = SKINS.map(|skin| skin * *median);
         let mut depths = skins.map(|skin| covering_depths(levels, skin));
@@ -75,7 +76,7 @@ impl NodeSums {
                         let below = node * span..((node + 1) * span).min(count);
                         let depth = |skin: usize| depths[skin][node] as f32;
                         let depth = core::array::from_fn(depth);
-                        NodeSum { depth, ..sum_of(below.map(|leaf| (leaves.radius[leaf], normals[leaf]))) }
+                        NodeSum { depth, ..sum_of(below.map(|leaf| (radius(leaf), normals[leaf]))) }
                     })
                     .collect(),
             );
@@ -84,7 +85,7 @@ impl NodeSums {
                     depths.chunks(WIDTH).map(|block| block.iter().copied().max().unwrap_or(1)).collect();
             }
         }
-        let least_radius = leaves.radius[..count].iter().copied().fold(f32::INFINITY, f32::min);
+        let least_radius = (0..count).map(radius).fold(f32::INFINITY, f32::min);
         Self { levels: sums, skins, least_radius, count: count as f32 }
     }
 
@@ -157,7 +158,7 @@ mod tests {
                     let below = node * span..((node + 1) * span).min(tree.len());
                     let volume: f64 = below
                         .map(|leaf| {
-                            let radius = f64::from(data.levels[0].radius[leaf] * scale + skin);
+                            let radius = f64::from(data.levels[0].get(leaf).1 * scale + skin);
                             4.0 / 3.0 * core::f64::consts::PI * radius * radius * radius
                         })
                         .sum();

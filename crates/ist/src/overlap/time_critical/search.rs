@@ -1,15 +1,20 @@
 //! Opening one part of the overlap after the other, until the budget is spent.
 
-use super::bounds::{ROW, RowSink};
+use super::super::lanes::Ball;
+use super::super::pairs::Lanes;
+use super::super::totals::{Totals, TotalsSink};
+use super::super::traversal::{Skinned, expand, keep_touching};
+use super::super::workspace::Candidates;
+use super::bounds::{ROW, RowMaker};
 use super::budget::Meter;
 use super::query::Query;
 use super::row::{Row, add_open};
 use super::workspace::TimeCriticalWorkspace;
-use crate::overlap::totals::{Totals, TotalsSink};
-use crate::overlap::traversal::{Ball, Skinned, append_pairs, expand, flush};
-use crate::overlap::workspace::{Block, Candidates};
-use crate::tree::WIDTH;
-use fearless_simd::Simd;
+use crate::tree::{BallBlock, WIDTH};
+use fearless_simd::{Simd, f32x8, prelude::*};
+
+/// The sums over resolved pairs; no stiffness, as there is none for what is only expected.
+type Resolved<'a> = TotalsSink<'a, false>;
 
 /// Of a node of B and nodes of A with radii further apart than this only the larger are opened. With 2.5, 4, 8 and no
 /// limit a complete query of two rabbits of 10,000 spheres in mid overlap takes 8301, 6087, 3889 and 3756 visits; with
@@ -40,8 +45,8 @@ pub(super) fn search<S: Simd>(
     meter: &mut Meter,
     workspace: &mut TimeCriticalWorkspace,
 ) -> Found {
-    workspace.clear();
-    let mut resolved = TotalsSink::new((query.a.tree, query.b.tree), query.pose);
+    workspace.clear(query.b.tree.levels[0].blocks.len());
+    let mut resolved = Resolved::new((query.a.tree, query.b.tree), query.pose);
     let (mut lower, mut upper) = (0.0_f64, f64::INFINITY);
     begin(simd, query, workspace, &mut resolved);
     let complete = loop {
@@ -72,7 +77,7 @@ pub(super) fn search<S: Simd>(
 
 /// The pair of the roots.
 #[inline(always)]
-fn begin<S: Simd>(simd: S, query: &Query, workspace: &mut TimeCriticalWorkspace, resolved: &mut TotalsSink) {
+fn begin<S: Simd>(simd: S, query: &Query, workspace: &mut TimeCriticalWorkspace, resolved: &mut Resolved) {
     let levels = (query.a.tree.height(), query.b.tree.height());
     workspace.nodes_a.index[0] = 0;
     workspace.nodes_a.len = 1;
@@ -88,7 +93,7 @@ fn open_next<S: Simd>(
     simd: S,
     query: &Query,
     workspace: &mut TimeCriticalWorkspace,
-    resolved: &mut TotalsSink,
+    resolved: &mut Resolved,
 ) {
     let TimeCriticalWorkspace { frontier, nodes_a, children_a, pending, .. } = workspace;
     let Some((row, len)) = frontier.pop(&mut nodes_a.index) else { return };
@@ -103,8 +108,8 @@ fn open_next<S: Simd>(
     let (level_a, level_b, node) = (row.level_a as usize, row.level_b as usize, row.node as usize);
     children_a.len = 0;
     let level_a = if open_a {
-        let [x, y, z, radius] = row.ball.map(|number| [number; WIDTH]);
-        let ball = Ball::of(simd, &Block { x, y, z, radius, next: 0, end: 0 }, 0);
+        let [x, y, z, radius] = row.ball.map(|number| f32x8::splat(simd, number));
+        let ball = Ball { x, y, z, radius };
         let a = Skinned { data: query.a.tree, skin: query.a.skin };
         expand(simd, a, (nodes_a, level_a - 1), &ball, children_a);
         level_a - 1
@@ -128,8 +133,8 @@ fn open_next<S: Simd>(
 
 /// Resolves the pairs of leaves that wait, and takes the parts that they make out of the open ones.
 #[inline(always)]
-fn settle<S: Simd>(simd: S, workspace: &mut TimeCriticalWorkspace, resolved: &mut TotalsSink) {
-    flush(simd, &mut workspace.leaf_pairs, resolved);
+fn settle<S: Simd>(simd: S, workspace: &mut TimeCriticalWorkspace, resolved: &mut Resolved) {
+    workspace.leaf_pairs.flush(simd, &workspace.placed, resolved);
     for part in workspace.pending.drain(..) {
         workspace.frontier.sums.subtract(&part);
     }
@@ -153,34 +158,60 @@ fn test_children<S: Simd>(
     query: &Query,
     ((level_a, level_b), nodes_b): ((usize, usize), core::ops::Range<usize>),
     workspace: &mut TimeCriticalWorkspace,
-    resolved: &mut TotalsSink,
+    resolved: &mut Resolved,
 ) {
-    let TimeCriticalWorkspace { frontier, children_a, pairs, leaf_pairs, .. } = workspace;
-    let first = nodes_b.start / WIDTH * WIDTH;
-    let mut block = query.pose.transform_block(simd, &query.b.tree.levels[level_b], first);
-    let leaves = level_a == 0 && level_b == 0;
-    if !leaves {
-        block.radius = block.radius.map(|radius| radius + query.rounding);
-    }
-    let mut rows = RowSink::new(query, frontier, (level_a, level_b));
-    for node in nodes_b {
-        let ball = Ball::of(simd, &block, node % WIDTH);
-        if leaves {
-            append_pairs(simd, children_a, (ball, node), leaf_pairs, resolved);
+    let TimeCriticalWorkspace { frontier, children_a, near, placed, leaf_pairs, .. } = workspace;
+    let block = nodes_b.start / WIDTH;
+    let mut balls = query.pose.place(simd, &query.b.tree.levels[level_b].blocks[block]);
+    if level_a == 0 && level_b == 0 {
+        placed[block] = balls;
+        let lone = lone_ball(&balls, nodes_b.start % WIDTH);
+        let lanes = if nodes_b.len() == 1 {
+            Lanes { balls: &lone, index: [nodes_b.start as u32; WIDTH], count: 1, of_a: false }
         } else {
-            append_pairs(simd, children_a, (ball, node), pairs, &mut rows);
-            flush(simd, pairs, &mut rows);
-        }
+            Lanes::block_of_b(placed, block)
+        };
+        leaf_pairs.append(simd, children_a, &lanes, (placed, resolved));
+        return;
     }
+    balls.radius = balls.radius.map(|radius| radius + query.enlargement());
+    let mut rows = RowMaker::new(query, frontier, (level_a, level_b));
+    for node in nodes_b {
+        let lane = node % WIDTH;
+        near.len = 0;
+        keep_touching(simd, children_a, &Ball::of(simd, &balls, lane), near);
+        pad(near);
+        rows.add(simd, near, (node, [balls.x[lane], balls.y[lane], balls.z[lane], balls.radius[lane]]));
+    }
+}
+
+/// Ball `lane` of `balls` in the first lane of a block.
+fn lone_ball(balls: &BallBlock, lane: usize) -> BallBlock {
+    let mut lone = BallBlock::FAR;
+    (lone.x[0], lone.y[0], lone.z[0]) = (balls.x[lane], balls.y[lane], balls.z[lane]);
+    lone.radius[0] = balls.radius[lane];
+    lone
+}
+
+/// Repeats the last ball up to the end of its block: what lists held before may be anything.
+fn pad(list: &mut Candidates) {
+    let Some(last) = list.len.checked_sub(1) else { return };
+    let rest = list.len..list.len.next_multiple_of(WIDTH);
+    for array in [&mut list.x, &mut list.y, &mut list.z, &mut list.radius] {
+        let ball = array[last];
+        array[rest.clone()].fill(ball);
+    }
+    let index = list.index[last];
+    list.index[rest].fill(index);
 }
 
 /// Copies the balls of A's nodes `nodes` of `level` to `balls`.
 fn copy_nodes(query: &Query, level: usize, nodes: &Candidates, balls: &mut Candidates) {
     let of = &query.a.tree.levels[level];
     for (at, index) in nodes.index[..nodes.len.min(ROW)].iter().enumerate() {
-        let node = *index as usize;
-        (balls.x[at], balls.y[at], balls.z[at]) = (of.x[node], of.y[node], of.z[node]);
-        balls.radius[at] = of.radius[node] + query.a.skin;
+        let (center, radius) = of.get(*index as usize);
+        (balls.x[at], balls.y[at], balls.z[at]) = center.into();
+        balls.radius[at] = radius + query.a.skin;
         balls.index[at] = *index;
     }
     balls.len = nodes.len;

@@ -15,8 +15,9 @@ mod row;
 mod search;
 mod workspace;
 
-use crate::overlap::relative_pose::RelativePose;
-use crate::{ForceLaw, InnerSphereTree, Overlap};
+use super::relative_pose::RelativePose;
+use super::{Overlap, OverlapQuery};
+use crate::InnerSphereTree;
 pub use budget::Budget;
 use budget::Meter;
 use fearless_simd::{Level, dispatch};
@@ -31,8 +32,8 @@ const MARGIN: f64 = 1e-5;
 /// What a query within a budget has found; units and frames as in [`Overlap`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OverlapEstimate {
-    /// The expected overlap, with a volume within the bounds. Of it `pairs` counts the pairs that were looked at, and
-    /// `intersects` is certain if true, and if false only when the query is complete.
+    /// The expected overlap, with a volume within the bounds and no stiffness. Its `pairs` and `deepest` are those of the
+    /// pairs that were looked at; its `intersects` is certain if true, and if false only when the query is complete.
     pub expected: Overlap,
     /// The volume (m³) that [`InnerSphereTree::overlap`] would give is at least this …
     pub lower: f32,
@@ -47,7 +48,7 @@ pub struct OverlapEstimate {
 
 impl InnerSphereTree {
     /// Overlap of this solid (A) with `other` (B), whose frame stands at `pose` in A's frame, as far as `budget` goes,
-    /// with the force of [`ForceLaw::Blended`].
+    /// with the force of [`ForceLaw::Blended`](crate::ForceLaw::Blended).
     ///
     /// A larger budget of visits never gives a wider interval. Where the pose is not finite or its quaternion far
     /// from unit length the result is complete and zero, as that of [`Self::overlap`].
@@ -71,8 +72,11 @@ impl InnerSphereTree {
         let found = dispatch!(Level::new(), simd => search(simd, &query, &mut meter, workspace));
         let scale = f64::from(self.scale());
         let scale3 = scale * scale * scale;
+        let mut expected = Overlap::new(&found.totals, OverlapQuery::default(), [self, other]);
+        // A volume may be expected before any pair is known.
+        expected.deepest = expected.deepest.filter(|pair| pair.depth > 0.0);
         OverlapEstimate {
-            expected: Overlap::new(&found.totals, ForceLaw::Blended, self.scale()),
+            expected,
             lower: (found.lower * (1.0 - MARGIN) * scale3) as f32,
             upper: (found.upper * (1.0 + MARGIN) * scale3) as f32,
             visits: meter.visits(),

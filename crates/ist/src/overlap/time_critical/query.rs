@@ -1,6 +1,6 @@
 //! What does not change during one time-critical query.
 
-use crate::overlap::relative_pose::RelativePose;
+use super::super::relative_pose::RelativePose;
 use crate::tree::{DEPTH_TOLERANCE, DepthAt, NodeSum, TreeData};
 use glam::Vec3;
 
@@ -14,7 +14,7 @@ pub(super) struct Query<'a> {
     pub(super) a: Side<'a>,
     pub(super) b: Side<'a>,
     pub(super) pose: &'a RelativePose,
-    /// How far rounding moves a centre of B at most (m); the balls of B's nodes are enlarged by this.
+    /// How far rounding moves a centre of B at most (m).
     pub(super) rounding: f32,
 }
 
@@ -49,6 +49,12 @@ impl<'a> Query<'a> {
             rounding,
         }
     }
+
+    /// By how much the balls of B's nodes are enlarged (m), so that their lenses bound those of spheres below: once for
+    /// rounding, once for centres that coincide, which the lens holds 1e-6 of the sum of the radii apart.
+    pub(super) fn enlargement(&self) -> f32 {
+        2.0 * self.rounding
+    }
 }
 
 /// What bounds and expected values need to know about a node.
@@ -65,7 +71,7 @@ pub(super) struct NodeFigures {
 impl Side<'_> {
     #[inline(always)]
     pub(super) fn figures(&self, level: usize, index: usize) -> NodeFigures {
-        let leaf = || (self.tree.levels[0].radius[index], self.tree.normals[index]);
+        let leaf = || (self.tree.levels[0].get(index).1, self.tree.normals[index]);
         let node: NodeSum = self.tree.sums.get(level, index, leaf);
         NodeFigures {
             volume: node.volume(self.scale, self.skin),

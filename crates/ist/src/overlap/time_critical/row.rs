@@ -1,6 +1,6 @@
 //! Open parts of the overlap and sums over them.
 
-use crate::overlap::totals::{Totals, WrenchSum};
+use super::super::totals::{Totals, WrenchSum};
 use glam::Vec3;
 
 /// A node of B with some nodes of A that it meets, all on one level: that part of the overlap which the spheres below

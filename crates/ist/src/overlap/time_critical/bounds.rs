@@ -11,12 +11,12 @@
 //! Spheres spread evenly over their node's ball, of volume B, would overlap in V_a/B_a · V_b/B_b · L: that is what is
 //! expected, within the bounds.
 
+use super::super::lanes::live_lanes;
+use super::super::lens_lanes::{Lanes3, LensLanes, PairLanes};
+use super::super::workspace::Candidates;
 use super::frontier::Frontier;
 use super::query::{NodeFigures, Query, leaves_below};
 use super::row::{Expected, Part, Row, Wrench};
-use crate::overlap::lens_lanes::{Lanes3, LensLanes};
-use crate::overlap::pairs::PairBuffer;
-use crate::overlap::traversal::PairSink;
 use crate::tree::WIDTH;
 use core::f32::consts::PI;
 use core::ops::Range;
@@ -26,15 +26,15 @@ use glam::Vec3;
 /// Nodes of A per row at most: the work of opening one must be bounded. Most rows have 10 to 30.
 pub(super) const ROW: usize = 32;
 
-/// Turns pairs of nodes into rows of the frontier. All pairs of a batch have the same node of B.
-pub(super) struct RowSink<'q> {
+/// Makes rows of a node of B and the nodes of A that it meets.
+pub(super) struct RowMaker<'q> {
     query: &'q Query<'q>,
     frontier: &'q mut Frontier,
     level_a: usize,
     level_b: usize,
 }
 
-impl<'q> RowSink<'q> {
+impl<'q> RowMaker<'q> {
     /// For nodes of `level_a` and `level_b`, not both leaves.
     pub(super) fn new(
         query: &'q Query<'q>,
@@ -44,22 +44,58 @@ impl<'q> RowSink<'q> {
         Self { query, frontier, level_a, level_b }
     }
 
-    /// What is known about the pairs `range`, which begin a block.
+    /// Adds `node` of B, whose ball stands at `ball` (centre and radius) in A's frame, with the nodes of A in `near`, which is
+    /// padded up to whole blocks.
     #[inline(always)]
-    fn part<S: Simd>(&self, simd: S, pairs: &PairBuffer, range: Range<usize>, b: &NodeFigures) -> Part {
+    pub(super) fn add<S: Simd>(&mut self, simd: S, near: &Candidates, (node, ball): (usize, [f32; 4])) {
+        let figures = self.query.b.figures(self.level_b, node);
+        for first in (0..near.len).step_by(ROW) {
+            let range = first..near.len.min(first + ROW);
+            let part = self.part(simd, (near, range.clone()), ball, &figures);
+            let row = Row {
+                ball,
+                node: node as u32,
+                level_a: self.level_a as u8,
+                level_b: self.level_b as u8,
+                largest: near.radius[range.clone()].iter().copied().fold(0.0, f32::max),
+                part,
+                ..Row::default()
+            };
+            self.frontier.push(row, &near.index[range]);
+        }
+    }
+
+    /// What is known about B's node with the nodes `range` of `near`, which begin a block.
+    #[inline(always)]
+    fn part<S: Simd>(
+        &self,
+        simd: S,
+        (near, range): (&Candidates, Range<usize>),
+        [x, y, z, radius_b]: [f32; 4],
+        b: &NodeFigures,
+    ) -> Part {
         let query = self.query;
-        let radius_b = pairs.b.radius[range.start];
+        let splat = |number: f32| f32x8::splat(simd, number);
+        let center_b = Lanes3 { x: splat(x), y: splat(y), z: splat(z) };
         let fill_b = b.volume / ball_volume(radius_b).max(f32::MIN_POSITIVE);
         let multiple_b = b.depth.min(leaves_below(self.level_b));
-        let zero = f32x8::splat(simd, 0.0);
+        let zero = splat(0.0);
         let (mut lower, mut upper, mut depth, mut volume) = (zero, zero, zero, zero);
-        let nothing = Lanes3 { x: zero, y: zero, z: zero };
+        let nothing = Lanes3::zero(simd);
         let (mut moment, mut force, mut torque) = (nothing, nothing, nothing);
         let (mut normals, mut normals_torque) = (nothing, nothing);
-        for first in range.step_by(WIDTH) {
-            let lens = LensLanes::new(simd, pairs, first);
-            let a = FigureLanes::new(simd, query, self.level_a, &pairs.a.index[first..first + WIDTH]);
-            let radius_a = f32x8::from_slice(simd, &pairs.a.radius[first..first + WIDTH]);
+        for first in range.clone().step_by(WIDTH) {
+            let load = |array: &[f32]| f32x8::from_slice(simd, &array[first..first + WIDTH]);
+            let pairs = PairLanes {
+                center_a: Lanes3 { x: load(&near.x), y: load(&near.y), z: load(&near.z) },
+                center_b,
+                radius_a: load(&near.radius),
+                radius_b: splat(radius_b),
+                live: live_lanes(simd, range.end, first),
+            };
+            let lens = LensLanes::new(simd, &pairs);
+            let a = FigureLanes::new(simd, query, self.level_a, &near.index[first..first + WIDTH]);
+            let radius_a = pairs.radius_a;
             let multiple_a = a.depth.min(leaves_below(self.level_a));
             let overlapping = lens.volume.simd_gt(0.0);
             let lens_bound = lens.volume * multiple_a * multiple_b;
@@ -74,13 +110,13 @@ impl<'q> RowSink<'q> {
             moment = moment.plus(expected_moment);
             let area = lens.area * density;
             force = force.add_scaled(area, lens.axis);
-            torque = torque.plus(lens.center_a.scale(area).cross(lens.axis));
+            torque = torque.plus(pairs.center_a.scale(area).cross(lens.axis));
             normals = normals.add_scaled(expected, a.normal);
             normals_torque = normals_torque.plus(expected_moment.cross(a.normal));
             if self.level_a == 0 || self.level_b == 0 {
-                let [in_a, in_b] = containment(simd, pairs, first, query.rounding);
+                let [in_a, in_b] = containment(&pairs, query.rounding);
                 if self.level_a == 0 {
-                    lower += (in_a & overlapping).select(f32x8::splat(simd, b.volume), zero);
+                    lower += (in_a & overlapping).select(splat(b.volume), zero);
                 }
                 if self.level_b == 0 {
                     lower += (in_b & overlapping).select(a.volume, zero);
@@ -106,40 +142,13 @@ impl<'q> RowSink<'q> {
     }
 }
 
-impl PairSink for RowSink<'_> {
-    #[inline(always)]
-    fn take<S: Simd>(&mut self, simd: S, pairs: &PairBuffer) {
-        let node = pairs.b.index[0];
-        let figures = self.query.b.figures(self.level_b, node as usize);
-        for first in (0..pairs.len()).step_by(ROW) {
-            let range = first..pairs.len().min(first + ROW);
-            let part = self.part(simd, pairs, range.clone(), &figures);
-            let row = Row {
-                ball: [pairs.b.x[0], pairs.b.y[0], pairs.b.z[0], pairs.b.radius[0]],
-                node,
-                level_a: self.level_a as u8,
-                level_b: self.level_b as u8,
-                largest: pairs.a.radius[range.clone()].iter().copied().fold(0.0, f32::max),
-                part,
-                ..Row::default()
-            };
-            self.frontier.push(row, &pairs.a.index[range]);
-        }
-    }
-}
-
 /// Lanes in which A's ball contains B's, and in which B's contains A's, whatever was rounded. B's radius may have been
-/// enlarged by `rounding`.
+/// enlarged.
 #[inline(always)]
-fn containment<S: Simd>(simd: S, pairs: &PairBuffer, first: usize, rounding: f32) -> [mask32x8<S>; 2] {
-    let load = |array: &[f32]| f32x8::from_slice(simd, &array[first..first + WIDTH]);
-    let (dx, dy, dz) = (
-        load(&pairs.a.x) - load(&pairs.b.x),
-        load(&pairs.a.y) - load(&pairs.b.y),
-        load(&pairs.a.z) - load(&pairs.b.z),
-    );
-    let distance = (dx * dx + dy * dy + dz * dz).sqrt() + 3.0 * rounding;
-    let (a, b) = (load(&pairs.a.radius), load(&pairs.b.radius));
+fn containment<S: Simd>(pairs: &PairLanes<S>, rounding: f32) -> [mask32x8<S>; 2] {
+    let delta = pairs.center_b.minus(pairs.center_a);
+    let distance = delta.dot(delta).sqrt() + 3.0 * rounding;
+    let (a, b) = (pairs.radius_a, pairs.radius_b);
     [(distance + b).simd_lt(a), (distance + a).simd_lt(b)]
 }
 

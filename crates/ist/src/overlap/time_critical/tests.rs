@@ -58,6 +58,10 @@ fn check(a: &InnerSphereTree, b: &InnerSphereTree, pose: &Pose3) -> OverlapEstim
         assert!(o.gradient.is_finite() && o.rotation_gradient.is_finite());
         assert!(o.force.as_dvec3().length() <= 1.001 * f64::from(o.volume), "{o:?} {full:?}");
         assert!(!o.intersects || full.intersects);
+        assert!(o.stiffness.is_none() && (o.volume > 0.0 || o.deepest.is_none()));
+        let depth = |overlap: &Overlap| overlap.deepest.map_or(0.0, |pair| pair.depth);
+        assert!(depth(o) <= depth(&full) && depth(o) >= depth(&last.expected), "{o:?} {full:?}");
+        assert!(o.pairs > 0 || o.deepest.is_none());
         assert!(result.visits <= budget && result.visits >= last.visits);
         assert_eq!(result, a.overlap_within(b, pose, Budget::Visits(budget), &mut workspace.clone()));
         last = result;
@@ -67,6 +71,8 @@ fn check(a: &InnerSphereTree, b: &InnerSphereTree, pose: &Pose3) -> OverlapEstim
     }
     assert!(last.complete);
     assert_eq!((last.expected.pairs, last.expected.intersects), (full.pairs, full.intersects));
+    let depth = |overlap: &Overlap| overlap.deepest.map(|pair| pair.depth);
+    assert_eq!(depth(&last.expected), depth(&full));
     let volume = full.volume;
     assert!((last.expected.volume - volume).abs() <= 1e-5 * volume);
     assert!(last.upper - last.lower <= 3e-5 * volume);

@@ -1,0 +1,94 @@
+//! Totals by grids: tasks in parallel, sums in their order.
+
+use super::Engine;
+use super::grid_search::{GridPair, GridScratch, Task};
+use super::relative_pose::RelativePose;
+use super::totals::{Totals, TotalsSink};
+use super::workspace::OverlapWorkspace;
+use crate::InnerSphereTree;
+use crate::tree::{BallBlock, TreeData};
+use fearless_simd::{Level, dispatch};
+
+impl Engine {
+    /// The grids of both solids, if they are to be used.
+    pub(super) fn grids<'a>(
+        self,
+        [a, b]: [&'a InnerSphereTree; 2],
+        pose: &'a RelativePose,
+    ) -> Option<GridPair<'a>> {
+        let (grid_a, grid_b) = (a.grid()?.data(), b.grid()?.data());
+        (self == Self::Grid).then_some(GridPair { a: grid_a, b: grid_b, pose })
+    }
+}
+
+/// Sums over all pairs of overlapping spheres.
+pub(super) fn totals<const STIFFNESS: bool>(
+    trees: (&TreeData, &TreeData),
+    grids: GridPair,
+    workspace: &mut OverlapWorkspace,
+) -> Totals {
+    let placed = &mut workspace.placed;
+    let leaves = &trees.1.levels[0].blocks;
+    if placed.len() < leaves.len() {
+        placed.resize(leaves.len(), BallBlock::FAR);
+    }
+    place_all(leaves, grids.pose, placed);
+    let placed = &*placed;
+    let run = |task: &Task, scratch: &mut GridScratch| {
+        let mut sink = TotalsSink::<STIFFNESS>::new(trees, grids.pose);
+        dispatch!(Level::new(), simd => grids.find_pairs(simd, task, scratch, (placed, &mut sink)));
+        sink.totals
+    };
+    sum_of_tasks(grids, run, &mut workspace.grid)
+}
+
+#[cfg(not(feature = "parallel"))]
+fn sum_of_tasks(
+    grids: GridPair,
+    run: impl Fn(&Task, &mut GridScratch) -> Totals + Sync,
+    scratch: &mut GridScratch,
+) -> Totals {
+    let mut totals = Totals::default();
+    for task in grids.tasks() {
+        totals.add(&run(&task, scratch));
+    }
+    totals
+}
+
+/// Tasks on all threads; their sums are added up in their order, so that the result does not depend on the threads.
+#[cfg(feature = "parallel")]
+fn sum_of_tasks(
+    grids: GridPair,
+    run: impl Fn(&Task, &mut GridScratch) -> Totals + Sync,
+    _scratch: &mut GridScratch,
+) -> Totals {
+    use alloc::vec::Vec;
+    use rayon::prelude::*;
+    let tasks: Vec<Task> = grids.tasks().collect();
+    let parts: Vec<Totals> =
+        tasks.par_iter().map_init(GridScratch::default, |scratch, task| run(task, scratch)).collect();
+    let mut totals = Totals::default();
+    for part in &parts {
+        totals.add(part);
+    }
+    totals
+}
+
+/// Puts B's leaves into A's frame.
+fn place_all(leaves: &[BallBlock], pose: &RelativePose, placed: &mut [BallBlock]) {
+    let place = |from: &[BallBlock], to: &mut [BallBlock]| {
+        dispatch!(Level::new(), simd => {
+            for (from, to) in from.iter().zip(to) {
+                *to = pose.place(simd, from);
+            }
+        });
+    };
+    #[cfg(not(feature = "parallel"))]
+    place(leaves, placed);
+    #[cfg(feature = "parallel")]
+    {
+        use rayon::prelude::*;
+        const BLOCKS: usize = 1024;
+        placed.par_chunks_mut(BLOCKS).zip(leaves.par_chunks(BLOCKS)).for_each(|(to, from)| place(from, to));
+    }
+}

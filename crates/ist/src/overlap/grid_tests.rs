@@ -1,0 +1,97 @@
+//! The grids against the tree and against brute force.
+
+use super::tests::{random_pose, tree};
+use super::*;
+use crate::reference;
+use crate::tree::tests::random_packing;
+use alloc::vec::Vec;
+use proptest::prelude::*;
+
+fn engine(engine: Engine) -> OverlapQuery {
+    OverlapQuery { engine, stiffness: true, ..OverlapQuery::default() }
+}
+
+/// All pairs that an engine finds, in order.
+fn pairs(a: &InnerSphereTree, b: &InnerSphereTree, pose: &Pose3, by: Engine) -> Vec<[u32; 2]> {
+    struct Keep(Vec<[u32; 2]>);
+    impl pairs::PairSink for Keep {
+        fn take<S: fearless_simd::Simd>(
+            &mut self,
+            _: S,
+            pairs: &pairs::PairBuffer,
+            _: &[crate::tree::BallBlock],
+        ) {
+            self.0.extend((0..pairs.len()).map(|i| [pairs.b[i], pairs.a[i]]));
+        }
+    }
+    let pose = RelativePose::new(a, b, pose).unwrap();
+    let (mut keep, mut workspace) = (Keep(Vec::new()), OverlapWorkspace::default());
+    let trees = (a.data(), b.data());
+    match by.grids([a, b], &pose) {
+        None => {
+            dispatch!(Level::new(), simd => for_each_pair(simd, trees, &pose, &mut workspace, &mut keep));
+        }
+        Some(grids) => {
+            for task in grids.tasks() {
+                let scratch = &mut workspace.grid;
+                dispatch!(Level::new(), simd => grids.find_pairs(simd, &task, scratch, (&[], &mut keep)));
+            }
+        }
+    }
+    keep.0.sort_unstable();
+    keep.0
+}
+
+proptest! {
+    #[test]
+    fn grids_find_the_pairs_of_the_tree(
+        a in random_packing(300), b in random_packing(300), pose in random_pose(1.5),
+        scale in prop::array::uniform2(0.2_f32..5.0), skin in prop::array::uniform2(0.0_f32..0.1),
+        ratio in 0..3,
+    ) {
+        let scale = [scale[0], scale[1] * [1e-3, 1.0, 1e3][ratio as usize]];
+        let solid = |packing, i: usize| {
+            tree(packing).scaled(scale[i]).unwrap().with_skin(skin[i]).unwrap().with_grid()
+        };
+        let (a, b) = (solid(&a, 0), solid(&b, 1));
+        let by_tree = pairs(&a, &b, &pose, Engine::Tree);
+        prop_assert_eq!(&pairs(&a, &b, &pose, Engine::Grid), &by_tree);
+        let exact = reference::overlap(&a, &b, &pose);
+        prop_assert!((by_tree.len() as u32).abs_diff(exact.pairs) <= 1 + exact.pairs / 1000);
+
+        let mut workspace = OverlapWorkspace::default();
+        let tree = a.overlap_with(&b, &pose, engine(Engine::Tree), &mut workspace);
+        let grid = a.overlap_with(&b, &pose, engine(Engine::Grid), &mut workspace);
+        prop_assert_eq!(tree.pairs, grid.pairs);
+        prop_assert_eq!(tree.intersects, grid.intersects);
+        prop_assert_eq!(tree.deepest.map(|d| d.depth), grid.deepest.map(|d| d.depth));
+        prop_assert!((tree.volume - grid.volume).abs() <= 1e-5 * tree.volume);
+        prop_assert!(tree.gradient.distance(grid.gradient) <= 1e-5 * exact.area as f32);
+        let reach = 2.0 * (a.bounding_ball().1 + a.bounding_ball().0.length());
+        prop_assert!(tree.centroid.distance(grid.centroid) <= 1e-5 * reach);
+        prop_assert!(tree.rotation_gradient.distance(grid.rotation_gradient) <= 2e-5 * exact.area as f32 * reach);
+    }
+}
+
+#[test]
+fn grids_serve_all_sizes_of_a_body() {
+    // Radii over seven decades, at random places and then all at one.
+    for spread in [1.0, 0.0] {
+        let spheres = (0..200_u32)
+            .map(|i| {
+                let at = |k: u32| ((i * k) % 97) as f32 / 97.0 * spread;
+                let radius = 10.0_f32.powf(-7.0 * i as f32 / 200.0);
+                crate::InnerSphere::solid_ball(Vec3::new(at(31), at(57), at(73)), radius, Vec3::Y)
+            })
+            .collect();
+        let packing = crate::SpherePacking::new(spheres, crate::SolidProperties::ball(1.0)).unwrap();
+        let solid = tree(&packing).with_grid();
+        assert_eq!(solid.grid().unwrap().levels(), 24);
+        for pose in [Pose3::IDENTITY, Pose3::translation(0.1, 0.0, 0.0), Pose3::translation(1e-6, 0.0, 0.0)] {
+            assert_eq!(
+                pairs(&solid, &solid, &pose, Engine::Grid),
+                pairs(&solid, &solid, &pose, Engine::Tree)
+            );
+        }
+    }
+}

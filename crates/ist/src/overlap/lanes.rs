@@ -1,0 +1,88 @@
+//! Tests of balls against eight balls at once, and lists of those that pass.
+
+use super::workspace::Candidates;
+use crate::tree::{BallBlock, WIDTH};
+use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
+
+/// One ball in A's frame, in every lane.
+#[derive(Clone, Copy)]
+pub(super) struct Ball<S: Simd> {
+    pub(super) x: f32x8<S>,
+    pub(super) y: f32x8<S>,
+    pub(super) z: f32x8<S>,
+    pub(super) radius: f32x8<S>,
+}
+
+impl<S: Simd> Ball<S> {
+    #[inline(always)]
+    pub(super) fn of(simd: S, block: &BallBlock, lane: usize) -> Self {
+        Self {
+            x: f32x8::splat(simd, block.x[lane]),
+            y: f32x8::splat(simd, block.y[lane]),
+            z: f32x8::splat(simd, block.z[lane]),
+            radius: f32x8::splat(simd, block.radius[lane]),
+        }
+    }
+}
+
+/// Eight balls in A's frame.
+#[derive(Clone, Copy)]
+pub(super) struct BlockLanes<S: Simd> {
+    pub(super) x: f32x8<S>,
+    pub(super) y: f32x8<S>,
+    pub(super) z: f32x8<S>,
+    pub(super) radius: f32x8<S>,
+    pub(super) index: u32x8<S>,
+}
+
+impl<S: Simd> BlockLanes<S> {
+    /// `balls`, each enlarged by `skin`; the first is number `first`.
+    #[inline(always)]
+    pub(super) fn new(simd: S, balls: &BallBlock, skin: f32, first: usize) -> Self {
+        let load = |array: [f32; WIDTH]| f32x8::load_array(simd, array);
+        Self {
+            x: load(balls.x),
+            y: load(balls.y),
+            z: load(balls.z),
+            radius: load(balls.radius) + skin,
+            index: u32x8::load_array(simd, [0, 1, 2, 3, 4, 5, 6, 7]) + first as u32,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn of(simd: S, list: &Candidates, first: usize) -> Self {
+        let load = |array: &[f32]| f32x8::from_slice(simd, &array[first..first + WIDTH]);
+        Self {
+            x: load(&list.x),
+            y: load(&list.y),
+            z: load(&list.z),
+            radius: load(&list.radius),
+            index: u32x8::from_slice(simd, &list.index[first..first + WIDTH]),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn touches(&self, ball: &Ball<S>) -> mask32x8<S> {
+        let (dx, dy, dz) = (self.x - ball.x, self.y - ball.y, self.z - ball.z);
+        let reach = self.radius + ball.radius;
+        (dx * dx + dy * dy + dz * dz).simd_lt(reach * reach)
+    }
+
+    #[inline(always)]
+    pub(super) fn append_where(&self, simd: S, mask: mask32x8<S>, list: &mut Candidates) {
+        let at = list.len..list.len + WIDTH;
+        simd.compress_f32x8(self.x, mask).store_slice(&mut list.x[at.clone()]);
+        simd.compress_f32x8(self.y, mask).store_slice(&mut list.y[at.clone()]);
+        simd.compress_f32x8(self.z, mask).store_slice(&mut list.z[at.clone()]);
+        simd.compress_f32x8(self.radius, mask).store_slice(&mut list.radius[at.clone()]);
+        simd.compress_u32x8(self.index, mask).store_slice(&mut list.index[at]);
+        list.len += mask.to_bitmask().count_ones() as usize;
+    }
+}
+
+/// Lanes of the block at `first` that hold one of the list's `len` balls.
+#[inline(always)]
+pub(super) fn live_lanes<S: Simd>(simd: S, len: usize, first: usize) -> mask32x8<S> {
+    let live = (len - first).min(WIDTH);
+    mask32x8::from_bitmask(simd, (1 << live) - 1)
+}
