@@ -201,10 +201,12 @@ impl Near {
     fn count<S: Simd>(&self, simd: S, point: Vec3, around: f32) -> (u32, u32) {
         let (mut reaching, mut over) = (0, 0);
         for first in (0..self.blocks * WIDTH).step_by(WIDTH) {
-            let load = |array: &[f32]| f32x8::from_slice(simd, &array[first..first + WIDTH]);
-            let (dx, dy, dz) = (load(&self.x) - point.x, load(&self.y) - point.y, load(&self.z) - point.z);
+            let block = first..first + WIDTH;
+            let dx = f32x8::from_slice(simd, &self.x[block.clone()]) - point.x;
+            let dy = f32x8::from_slice(simd, &self.y[block.clone()]) - point.y;
+            let dz = f32x8::from_slice(simd, &self.z[block.clone()]) - point.z;
             let distance = (dx * dx + dy * dy + dz * dz).sqrt();
-            let gap = distance - load(&self.radius);
+            let gap = distance - f32x8::from_slice(simd, &self.radius[block]);
             reaching += gap.simd_le(around).to_bitmask().count_ones();
             over += gap.simd_le(0.0).to_bitmask().count_ones();
         }

@@ -11,7 +11,7 @@
 //! Spheres spread evenly over their node's ball, of volume B, would overlap in V_a/B_a · V_b/B_b · L: that is what is
 //! expected, within the bounds.
 
-use super::super::lanes::live_lanes;
+use super::super::lanes::{live_lanes, load};
 use super::super::lens_lanes::{Lanes3, LensLanes, PairLanes};
 use super::super::workspace::Candidates;
 use super::frontier::Frontier;
@@ -75,22 +75,26 @@ impl<'q> RowMaker<'q> {
         b: &NodeFigures,
     ) -> Part {
         let query = self.query;
-        let splat = |number: f32| f32x8::splat(simd, number);
-        let center_b = Lanes3 { x: splat(x), y: splat(y), z: splat(z) };
+        let center_b =
+            Lanes3 { x: f32x8::splat(simd, x), y: f32x8::splat(simd, y), z: f32x8::splat(simd, z) };
+        let volume_b = f32x8::splat(simd, b.volume);
         let fill_b = b.volume / ball_volume(radius_b).max(f32::MIN_POSITIVE);
         let multiple_b = b.depth.min(leaves_below(self.level_b));
-        let zero = splat(0.0);
+        let zero = f32x8::splat(simd, 0.0);
         let (mut lower, mut upper, mut depth, mut volume) = (zero, zero, zero, zero);
         let nothing = Lanes3::zero(simd);
         let (mut moment, mut force, mut torque) = (nothing, nothing, nothing);
         let (mut normals, mut normals_torque) = (nothing, nothing);
         for first in range.clone().step_by(WIDTH) {
-            let load = |array: &[f32]| f32x8::from_slice(simd, &array[first..first + WIDTH]);
             let pairs = PairLanes {
-                center_a: Lanes3 { x: load(&near.x), y: load(&near.y), z: load(&near.z) },
+                center_a: Lanes3 {
+                    x: load(simd, &near.x, first),
+                    y: load(simd, &near.y, first),
+                    z: load(simd, &near.z, first),
+                },
                 center_b,
-                radius_a: load(&near.radius),
-                radius_b: splat(radius_b),
+                radius_a: load(simd, &near.radius, first),
+                radius_b: f32x8::splat(simd, radius_b),
                 live: live_lanes(simd, range.end, first),
             };
             let lens = LensLanes::new(simd, &pairs);
@@ -116,7 +120,7 @@ impl<'q> RowMaker<'q> {
             if self.level_a == 0 || self.level_b == 0 {
                 let [in_a, in_b] = containment(&pairs, query.rounding);
                 if self.level_a == 0 {
-                    lower += (in_a & overlapping).select(splat(b.volume), zero);
+                    lower += (in_a & overlapping).select(volume_b, zero);
                 }
                 if self.level_b == 0 {
                     lower += (in_b & overlapping).select(a.volume, zero);

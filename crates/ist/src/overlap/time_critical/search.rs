@@ -108,8 +108,13 @@ fn open_next<S: Simd>(
     let (level_a, level_b, node) = (row.level_a as usize, row.level_b as usize, row.node as usize);
     children_a.len = 0;
     let level_a = if open_a {
-        let [x, y, z, radius] = row.ball.map(|number| f32x8::splat(simd, number));
-        let ball = Ball { x, y, z, radius };
+        let [x, y, z, radius] = row.ball;
+        let ball = Ball {
+            x: f32x8::splat(simd, x),
+            y: f32x8::splat(simd, y),
+            z: f32x8::splat(simd, z),
+            radius: f32x8::splat(simd, radius),
+        };
         let a = Skinned { data: query.a.tree, skin: query.a.skin };
         expand(simd, a, (nodes_a, level_a - 1), &ball, children_a);
         level_a - 1
