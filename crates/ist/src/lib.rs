@@ -33,7 +33,7 @@
 //! solid, `_b` for the second.
 //!
 //! # Features
-//! - `std` (default): file access.
+//! - `std` (default): file access, budgets of time.
 //! - `parallel`: grids and batches on all cores.
 #![cfg_attr(not(feature = "std"), no_std)]
 
@@ -53,8 +53,9 @@ mod tree;
 pub use file::{FileError, Provenance};
 pub use grid::SphereGrid;
 pub use overlap::{
-    ContactSample, DeepestPair, Engine, ForceLaw, Overlap, OverlapCache, OverlapPair, OverlapQuery,
-    OverlapWorkspace, Stiffness, SurfaceDistance, overlap_batch,
+    Budget, ContactSample, DeepestPair, Engine, ForceLaw, Overlap, OverlapCache, OverlapEstimate,
+    OverlapPair, OverlapQuery, OverlapWorkspace, Stiffness, SurfaceDistance, TimeCriticalWorkspace,
+    overlap_batch,
 };
 pub use packing::{PackingError, SpherePacking};
 pub use proximity::{

@@ -140,9 +140,9 @@ fn descend_alone<S: Simd>(
 
 /// A's tree and the thickness by which its balls are enlarged.
 #[derive(Clone, Copy)]
-struct Skinned<'a> {
-    data: &'a TreeData,
-    skin: f32,
+pub(super) struct Skinned<'a> {
+    pub(super) data: &'a TreeData,
+    pub(super) skin: f32,
 }
 
 impl Skinned<'_> {
@@ -154,7 +154,7 @@ impl Skinned<'_> {
 
 /// Appends to `kept` the balls of `list` that meet `ball`.
 #[inline(always)]
-fn keep_touching<S: Simd>(simd: S, list: &Candidates, ball: &Ball<S>, kept: &mut Candidates) {
+pub(super) fn keep_touching<S: Simd>(simd: S, list: &Candidates, ball: &Ball<S>, kept: &mut Candidates) {
     for first in (0..list.len).step_by(WIDTH) {
         let block = BlockLanes::of(simd, list, first);
         let mask = block.touches(ball) & live_lanes(simd, list.len, first);
@@ -164,7 +164,7 @@ fn keep_touching<S: Simd>(simd: S, list: &Candidates, ball: &Ball<S>, kept: &mut
 
 /// Appends to `kept` the balls on `level` of A below those of `list` that meet `ball`.
 #[inline(always)]
-fn expand<S: Simd>(
+pub(super) fn expand<S: Simd>(
     simd: S,
     a: Skinned,
     (list, level): (&Candidates, usize),
