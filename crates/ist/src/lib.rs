@@ -43,6 +43,7 @@ mod grid;
 pub mod lens;
 mod overlap;
 mod packing;
+mod patches;
 mod proximity;
 pub mod reference;
 mod solid;
@@ -56,6 +57,7 @@ pub use overlap::{
     SurfaceDistance,
 };
 pub use packing::{PackingError, SpherePacking};
+pub use patches::ContactPatch;
 pub use proximity::{
     BallKind, DistanceOptions, Impact, ImpactOptions, NearestSphere, Penetration, ProximityWorkspace, Ray,
     RayHit, RigidMotion, Separation, TimeOfImpact,

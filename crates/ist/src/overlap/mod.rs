@@ -7,6 +7,7 @@ mod grid_search;
 mod lanes;
 mod lens_lanes;
 mod pairs;
+pub(crate) mod parts;
 mod query;
 mod relative_pose;
 mod samples;
