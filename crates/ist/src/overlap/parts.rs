@@ -2,9 +2,9 @@
 
 use super::relative_pose::RelativePose;
 use super::samples::{Lens, LensSink};
-use super::totals::{Totals, WrenchSum};
+use super::totals::Totals;
 use super::traversal::for_each_pair;
-use super::{ForceLaw, OverlapWorkspace};
+use super::{ForceLaw, Overlap, OverlapWorkspace};
 use crate::InnerSphereTree;
 use crate::patches::{ContactPatch, Scratch};
 use crate::tree::TreeData;
@@ -95,23 +95,19 @@ impl LensCloud<'_> {
 
     /// The patch of some of the lenses from their sums; its `points` are left for later.
     pub(crate) fn patch(&self, sums: &PartSums, law: ForceLaw) -> ContactPatch {
-        let totals = &sums.totals;
         let scale = f64::from(self.scale);
-        let (scale2, scale3) = (scale * scale, scale * scale * scale);
-        let centroid = totals.moment / totals.volume.max(f64::MIN_POSITIVE);
-        let about_centroid = |wrench: &WrenchSum| wrench.torque - centroid.cross(wrench.force);
-        let wrench = law.wrench(totals);
+        let all = Overlap::from_totals(&sums.totals, law, scale);
         ContactPatch {
-            volume: (totals.volume * scale3) as f32,
-            centroid: (centroid * scale).as_vec3(),
-            gradient: (totals.gradient.force * -scale2).as_vec3(),
-            rotation_gradient: (about_centroid(&totals.gradient) * -scale3).as_vec3(),
-            area: (sums.area * scale2) as f32,
-            force: (wrench.force * scale3).as_vec3(),
-            torque: (about_centroid(&wrench) * (scale3 * scale)).as_vec3(),
+            volume: all.volume,
+            centroid: all.centroid,
+            gradient: all.gradient,
+            rotation_gradient: all.rotation_gradient,
+            area: (sums.area * scale * scale) as f32,
+            force: all.force,
+            torque: all.torque,
             bounds: (sums.bounds.0 * self.scale, sums.bounds.1 * self.scale),
             points: [Vec3::ZERO; 4],
-            pairs: totals.pairs,
+            pairs: all.pairs,
         }
     }
 
