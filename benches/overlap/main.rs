@@ -16,7 +16,7 @@ use criterion::{Criterion, SamplingMode, Throughput};
 use engine::Engine;
 use pair::{BANDS, MeshPair, NAMES};
 use peers::Peer;
-use spheres::{BruteForce, Tree};
+use spheres::{BruteForce, Spheres};
 use std::error::Error;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -35,6 +35,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     if !is_measuring {
         return Ok(());
     }
+    // Queries run on one thread, whatever features other packages turn on.
+    rayon::ThreadPoolBuilder::new().num_threads(1).build_global()?;
     let mut criterion = Criterion::default()
         .warm_up_time(Duration::from_millis(50))
         .measurement_time(Duration::from_millis(200))
@@ -59,7 +61,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn engines(pair: &MeshPair) -> Result<Vec<Box<dyn Engine>>, Box<dyn Error>> {
     let mut engines: Vec<Box<dyn Engine>> = Vec::new();
     for spheres in [300, 1_000, 3_000, 10_000] {
-        engines.push(Box::new(Tree::new(pair, spheres)?));
+        engines.push(Box::new(Spheres::tree(pair, spheres)?));
+    }
+    for spheres in [300, 1_000, 3_000, 10_000] {
+        engines.push(Box::new(Spheres::grid(pair, spheres)?));
     }
     for spheres in [300, 1_000] {
         engines.push(Box::new(BruteForce::new(pair, spheres)?));

@@ -2,10 +2,15 @@
 
 use glam::Vec3;
 use glamx::Pose3;
-use packer::{PackOptions, Solid, TriangleMesh, pack};
+use ist::SpherePacking;
+use packer::{PackError, PackOptions, Solid, TriangleMesh, pack};
 use rapier_ist_examples::scenes::asset_folder;
 use rapier_ist_tests::{Band, TruePose, Truth};
+use rayon::ThreadPoolBuilder;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::error::Error;
+use std::time::Instant;
 
 /// Pairs with exact overlaps in `tests/data`.
 pub(crate) const NAMES: [&str; 2] = ["bunny_bunny", "gears"];
@@ -54,6 +59,14 @@ pub(crate) struct MeshPair {
     pub(crate) solids: [Solid; 2],
     pub(crate) scale_b: f32,
     truth: Truth,
+    packed: RefCell<BTreeMap<usize, Packed>>,
+}
+
+/// Packings of both solids, and the seconds that they took on all cores.
+#[derive(Clone)]
+pub(crate) struct Packed {
+    pub(crate) packings: [SpherePacking; 2],
+    pub(crate) seconds: f64,
 }
 
 impl MeshPair {
@@ -66,7 +79,13 @@ impl MeshPair {
             "gears" => ["spider_gear.obj", "pinion_gear.obj"],
             _ => ["bunny.obj", "bunny.obj"],
         };
-        Ok(Self { name, solids: [solid(a)?, solid(b)?], scale_b: truth.scale_b, truth })
+        Ok(Self {
+            name,
+            solids: [solid(a)?, solid(b)?],
+            scale_b: truth.scale_b,
+            truth,
+            packed: RefCell::default(),
+        })
     }
 
     /// Triangles of the larger mesh.
@@ -74,12 +93,21 @@ impl MeshPair {
         self.solids.iter().map(|solid| solid.mesh().triangles.len()).max().unwrap_or(0)
     }
 
-    /// Packings of both solids with `spheres` spheres each, at the size of their meshes.
-    pub(crate) fn packings(&self, spheres: usize) -> Result<[ist::SpherePacking; 2], Box<dyn Error>> {
-        let packing = |solid| -> Result<_, Box<dyn Error>> {
+    /// Packings of both solids with `spheres` spheres each, at the size of their meshes; made once.
+    pub(crate) fn packed(&self, spheres: usize) -> Result<Packed, Box<dyn Error>> {
+        if let Some(packed) = self.packed.borrow().get(&spheres) {
+            return Ok(packed.clone());
+        }
+        let start = Instant::now();
+        let all_cores = ThreadPoolBuilder::new().build()?;
+        let packing = |solid| -> Result<_, PackError> {
             Ok(pack(solid, &PackOptions::balanced().spheres(spheres))?.packing)
         };
-        Ok([packing(&self.solids[0])?, packing(&self.solids[1])?])
+        let [a, b] = &self.solids;
+        let packings = all_cores.install(|| Ok::<_, PackError>([packing(a)?, packing(b)?]))?;
+        let packed = Packed { packings, seconds: start.elapsed().as_secs_f64() };
+        self.packed.borrow_mut().insert(spheres, packed.clone());
+        Ok(packed)
     }
 
     /// The poses of a band, in the order of the file.

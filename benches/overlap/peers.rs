@@ -75,8 +75,9 @@ impl Peer {
 
     /// The largest inner balls of a packing, as a compound. Unlike fitted balls they do not stick out of the mesh.
     pub(crate) fn balls(pair: &MeshPair) -> Result<Self, Box<dyn Error>> {
+        let packed = pair.packed(PACKED)?;
         let start = Instant::now();
-        let [a, b] = pair.packings(PACKED)?;
+        let [a, b] = &packed.packings;
         let compound = |packing: &ist::SpherePacking, scale: f32| {
             let mut spheres = packing.spheres().to_vec();
             spheres.sort_by(|a, b| b.radius.total_cmp(&a.radius));
@@ -86,11 +87,10 @@ impl Peer {
             };
             SharedShape::compound(spheres.iter().map(ball).collect())
         };
-        Ok(Self::new(
-            &format!("{BALLS} largest inner balls, compound"),
-            [compound(&a, 1.0), compound(&b, pair.scale_b)],
-            start,
-        ))
+        let shapes = [compound(a, 1.0), compound(b, pair.scale_b)];
+        let mut peer = Self::new(&format!("{BALLS} largest inner balls, compound"), shapes, start);
+        peer.build_seconds += packed.seconds;
+        Ok(peer)
     }
 
     fn new(name: &str, shapes: [SharedShape; 2], start: Instant) -> Self {

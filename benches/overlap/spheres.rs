@@ -4,28 +4,45 @@ use crate::engine::{Answer, Engine};
 use crate::pair::MeshPair;
 use glamx::Pose3;
 use ist::reference::{self, ReferenceOverlap};
-use ist::{InnerSphereTree, Overlap, OverlapWorkspace};
+use ist::{InnerSphereTree, Overlap, OverlapQuery, OverlapWorkspace};
 use std::error::Error;
 use std::time::Instant;
 
-/// Inner sphere trees; volume, centroid, gradients, force and torque.
-pub(crate) struct Tree {
+/// Inner sphere trees, or their grids; volume, centroid, gradients, force, torque and deepest pair.
+pub(crate) struct Spheres {
     name: String,
+    query: OverlapQuery,
     build_seconds: f64,
     trees: [InnerSphereTree; 2],
     workspace: OverlapWorkspace,
     overlap: Overlap,
 }
 
-impl Tree {
-    pub(crate) fn new(pair: &MeshPair, spheres: usize) -> Result<Self, Box<dyn Error>> {
-        let (trees, build_seconds) = trees(pair, spheres)?;
+impl Spheres {
+    pub(crate) fn tree(pair: &MeshPair, spheres: usize) -> Result<Self, Box<dyn Error>> {
+        Self::new(format!("tree, {spheres} spheres"), ist::Engine::Tree, trees(pair, spheres)?)
+    }
+
+    pub(crate) fn grid(pair: &MeshPair, spheres: usize) -> Result<Self, Box<dyn Error>> {
+        let (trees, seconds) = trees(pair, spheres)?;
+        let start = Instant::now();
+        let trees = trees.map(|tree| tree.with_grid());
+        let seconds = seconds + start.elapsed().as_secs_f64();
+        Self::new(format!("grid, {spheres} spheres"), ist::Engine::Grid, (trees, seconds))
+    }
+
+    fn new(
+        name: String,
+        engine: ist::Engine,
+        (trees, build_seconds): ([InnerSphereTree; 2], f64),
+    ) -> Result<Self, Box<dyn Error>> {
+        let query = OverlapQuery { engine, ..OverlapQuery::default() };
         let (workspace, overlap) = Default::default();
-        Ok(Self { name: format!("tree, {spheres} spheres"), build_seconds, trees, workspace, overlap })
+        Ok(Self { name, query, build_seconds, trees, workspace, overlap })
     }
 }
 
-impl Engine for Tree {
+impl Engine for Spheres {
     fn name(&self) -> &str {
         &self.name
     }
@@ -35,7 +52,7 @@ impl Engine for Tree {
     }
 
     fn query(&mut self, pose: &Pose3) {
-        self.overlap = self.trees[0].overlap(&self.trees[1], pose, &mut self.workspace);
+        self.overlap = self.trees[0].overlap_with(&self.trees[1], pose, self.query, &mut self.workspace);
     }
 
     fn answer(&self) -> Answer {
@@ -86,8 +103,9 @@ impl Engine for BruteForce {
 }
 
 fn trees(pair: &MeshPair, spheres: usize) -> Result<([InnerSphereTree; 2], f64), Box<dyn Error>> {
+    let packed = pair.packed(spheres)?;
     let start = Instant::now();
-    let [a, b] = pair.packings(spheres)?.each_ref().map(InnerSphereTree::new);
+    let [a, b] = packed.packings.each_ref().map(InnerSphereTree::new);
     let trees = [a, b.scaled(pair.scale_b).ok_or("the scale is positive")?];
-    Ok((trees, start.elapsed().as_secs_f64()))
+    Ok((trees, packed.seconds + start.elapsed().as_secs_f64()))
 }
