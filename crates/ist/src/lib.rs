@@ -44,6 +44,7 @@ mod grid;
 pub mod lens;
 mod overlap;
 mod packing;
+mod patches;
 mod proximity;
 pub mod reference;
 mod solid;
@@ -58,6 +59,7 @@ pub use overlap::{
     overlap_batch,
 };
 pub use packing::{PackingError, SpherePacking};
+pub use patches::ContactPatch;
 pub use proximity::{
     BallKind, DistanceOptions, Impact, ImpactOptions, NearestSphere, Penetration, ProximityWorkspace, Ray,
     RayHit, RigidMotion, Separation, TimeOfImpact,

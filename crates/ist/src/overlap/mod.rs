@@ -2,6 +2,7 @@
 
 mod batch;
 mod cache;
+mod cap;
 mod caps;
 mod force_law;
 mod grid_engine;
@@ -9,6 +10,7 @@ mod grid_search;
 mod lanes;
 mod lens_lanes;
 mod pairs;
+pub(crate) mod parts;
 mod query;
 mod relative_pose;
 mod samples;
@@ -168,22 +170,14 @@ fn totals<const STIFFNESS: bool>(
 impl Overlap {
     /// From sums in the unscaled frame of `a`.
     fn new(totals: &Totals, query: OverlapQuery, [a, b]: [&InnerSphereTree; 2]) -> Self {
-        if totals.volume <= 0.0 {
-            return Self { pairs: totals.pairs, intersects: totals.inner_balls_meet, ..Self::default() };
-        }
         let scale = f64::from(a.scale());
-        let (scale2, scale3) = (scale * scale, scale * scale * scale);
-        let centroid = totals.moment / totals.volume;
-        let about_centroid = |wrench: &totals::WrenchSum| wrench.torque - centroid.cross(wrench.force);
-        let wrench = query.law.wrench(totals);
+        let all = Self::from_totals(totals, query.law, scale);
+        if totals.volume <= 0.0 {
+            return all;
+        }
         let [in_a, in_b] = totals.deepest.spheres;
+        let centroid = totals.moment / totals.volume;
         Self {
-            volume: (totals.volume * scale3) as f32,
-            centroid: (centroid * scale).as_vec3(),
-            gradient: (totals.gradient.force * -scale2).as_vec3(),
-            rotation_gradient: (about_centroid(&totals.gradient) * -scale3).as_vec3(),
-            force: (wrench.force * scale3).as_vec3(),
-            torque: (about_centroid(&wrench) * (scale3 * scale)).as_vec3(),
             stiffness: query
                 .stiffness
                 .then(|| totals.stiffness.about(centroid, totals.gradient.force, scale)),
@@ -191,6 +185,28 @@ impl Overlap {
                 spheres: [a.packing_index(in_a as usize), b.packing_index(in_b as usize)],
                 depth: totals.deepest.depth * a.scale(),
             }),
+            ..all
+        }
+    }
+
+    /// From sums in the frame of an A that is `scale` times as large; without stiffness and deepest pair.
+    fn from_totals(totals: &Totals, law: ForceLaw, scale: f64) -> Self {
+        if totals.volume <= 0.0 {
+            return Self { pairs: totals.pairs, intersects: totals.inner_balls_meet, ..Self::default() };
+        }
+        let (scale2, scale3) = (scale * scale, scale * scale * scale);
+        let centroid = totals.moment / totals.volume;
+        let about_centroid = |wrench: &totals::WrenchSum| wrench.torque - centroid.cross(wrench.force);
+        let wrench = law.wrench(totals);
+        Self {
+            volume: (totals.volume * scale3) as f32,
+            centroid: (centroid * scale).as_vec3(),
+            gradient: (totals.gradient.force * -scale2).as_vec3(),
+            rotation_gradient: (about_centroid(&totals.gradient) * -scale3).as_vec3(),
+            force: (wrench.force * scale3).as_vec3(),
+            torque: (about_centroid(&wrench) * (scale3 * scale)).as_vec3(),
+            stiffness: None,
+            deepest: None,
             pairs: totals.pairs,
             intersects: totals.inner_balls_meet,
         }
@@ -199,6 +215,8 @@ impl Overlap {
 
 #[cfg(test)]
 mod cache_tests;
+#[cfg(test)]
+mod caps_tests;
 #[cfg(test)]
 mod grid_tests;
 #[cfg(test)]
