@@ -1,7 +1,9 @@
-//! Times of single queries, so that ratios between engines hold although the machine's speed wanders.
+//! Times of single queries, and their ratios.
 //!
 //! Engines take turns, a round each over the poses of a band; a figure is the median over the rounds of what each round
-//! gives, and a ratio is taken within its round.
+//! gives. A ratio is taken within a round and over the same poses, so that it holds although the machine's speed wanders.
+//! It does not hold where other programs take the processor away: a query of milliseconds is interrupted, one of
+//! microseconds mostly is not. [`waiting_share`] tells.
 //!
 //! A processor learns which way the branches of a query go, and keeps what it read: the same query a second time takes
 //! half as long. Two figures bracket what a simulation sees. A *jump* is the first query after one at an unrelated
@@ -44,9 +46,13 @@ impl Times {
         median(self.medians().collect())
     }
 
-    /// How many times as long a query takes as one of `other`.
+    /// How many times as long a query takes as one of `other`, which was asked about the same poses, and maybe more.
     pub(crate) fn ratio_to(&self, other: &Self) -> f64 {
-        median(self.medians().zip(other.medians()).map(|(here, there)| here / there).collect())
+        let rounds = self.0.iter().zip(&other.0);
+        let ratio = |(here, there): (&Vec<f64>, &Vec<f64>)| {
+            median(here.clone()) / median(there[..here.len().min(there.len())].to_vec())
+        };
+        median(rounds.map(ratio).collect())
     }
 
     /// All queries of a round together (s).
@@ -124,4 +130,17 @@ fn seconds(engine: &mut dyn Engine, pose: &Pose3) -> f64 {
 /// What reading the clock adds to a time (s).
 fn clock_seconds() -> f64 {
     median((0..1001).map(|_| Instant::now().elapsed().as_secs_f64()).collect())
+}
+
+/// Share of the time between two calls of [`scheduled`] in which this thread was ready to run and did not, 0 to 1.
+pub(crate) fn waiting_share(before: [f64; 2], after: [f64; 2]) -> f64 {
+    let [running, waiting] = [0, 1].map(|i| after[i] - before[i]);
+    waiting / (running + waiting).max(f64::MIN_POSITIVE)
+}
+
+/// Nanoseconds in which this thread ran, and in which it waited for a processor; none where the system does not tell.
+pub(crate) fn scheduled() -> Option<[f64; 2]> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    let mut numbers = text.split_whitespace().map(str::parse);
+    Some([numbers.next()?.ok()?, numbers.next()?.ok()?])
 }

@@ -2,7 +2,7 @@
 
 use crate::engine::Engine;
 use crate::pair::{BANDS, ExactPose, MeshPair, PoseBand};
-use crate::stopwatch::{Run, time};
+use crate::stopwatch::{Run, scheduled, time, waiting_share};
 use rapier_ist_tests::{Band, median};
 use std::fmt::Write;
 
@@ -15,6 +15,9 @@ const GOALS: [(&str, f64, &[Band]); 2] = [
 ];
 /// Most nanoseconds per overlapping pair of spheres in deep overlap that the project aims at.
 const PAIR_GOAL: f64 = 20.0;
+
+/// Share of the time that the measurement may wait for a processor without a warning.
+const BUSY: f64 = 0.02;
 
 const HEAD: &str = "\
 | engine | build s | µs, jump | µs, moves | times the tree, jump | times the tree, moves \
@@ -44,7 +47,9 @@ struct Errors {
 /// Measures all engines and reports.
 pub(crate) fn markdown(pair: &MeshPair, engines: &mut [Box<dyn Engine>]) -> String {
     let bands = BANDS.map(|band| (band, pair.poses_in(band)));
+    let before = scheduled();
     let columns: Vec<Vec<Cell>> = bands.iter().map(|(_, poses)| column(engines, poses)).collect();
+    let waited = before.zip(scheduled()).map(|(before, after)| waiting_share(before, after));
     let join = |words: Vec<String>| words.join(" / ");
     let names = join(bands.iter().map(|(band, _)| band.name().into()).collect());
     let counts = join(bands.iter().map(|(_, poses)| poses.len().to_string()).collect());
@@ -65,7 +70,15 @@ pub(crate) fn markdown(pair: &MeshPair, engines: &mut [Box<dyn Engine>]) -> Stri
         ];
         let _ = writeln!(out, "| {} | {} |", engine.name(), cells.join(" | "));
     }
-    out + &notes(engines, &columns) + &goals(engines, &columns)
+    out += &notes(engines, &columns);
+    if let Some(waited) = waited.filter(|share| *share > BUSY) {
+        let percent = 100.0 * waited;
+        let _ = writeln!(
+            out,
+            "Waited {percent:.0} % of the time for a processor: ratios of slow engines are too large.\n"
+        );
+    }
+    out + &goals(engines, &columns)
 }
 
 /// Times and errors of all engines at the poses of one band.
@@ -113,8 +126,11 @@ fn notes(engines: &[Box<dyn Engine>], columns: &[Vec<Cell>]) -> String {
     for (row, engine) in engines.iter().enumerate() {
         let counts: Vec<usize> = columns.iter().map(|column| column[row].run.poses.len()).collect();
         if counts.iter().zip(columns).any(|(count, column)| *count < column[0].run.poses.len()) {
-            let _ =
-                writeln!(out, "{} was asked about {counts:?} poses only, for its slowness.\n", engine.name());
+            let _ = writeln!(
+                out,
+                "{} was asked about {counts:?} poses only, for its slowness: its medians are of those.\n",
+                engine.name()
+            );
         }
     }
     out
