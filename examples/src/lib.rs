@@ -6,3 +6,4 @@ pub mod palette;
 pub mod render;
 pub mod scenes;
 pub mod shapes;
+pub mod waiting;

@@ -33,7 +33,8 @@
 //! solid, `_b` for the second.
 //!
 //! # Features
-//! - `std` (default): file access.
+//! - `std` (default): file access, budgets of time.
+//! - `parallel`: grids and batches on all cores.
 #![cfg_attr(not(feature = "std"), no_std)]
 
 extern crate alloc;
@@ -43,6 +44,7 @@ mod grid;
 pub mod lens;
 mod overlap;
 mod packing;
+mod patches;
 mod proximity;
 pub mod reference;
 mod solid;
@@ -52,10 +54,12 @@ mod tree;
 pub use file::{FileError, Provenance};
 pub use grid::SphereGrid;
 pub use overlap::{
-    ContactSample, DeepestPair, Engine, ForceLaw, Overlap, OverlapQuery, OverlapWorkspace, Stiffness,
-    SurfaceDistance,
+    Budget, ContactSample, DeepestPair, Engine, ForceLaw, Overlap, OverlapCache, OverlapEstimate,
+    OverlapPair, OverlapQuery, OverlapWorkspace, Stiffness, SurfaceDistance, TimeCriticalWorkspace,
+    overlap_batch,
 };
 pub use packing::{PackingError, SpherePacking};
+pub use patches::ContactPatch;
 pub use proximity::{
     BallKind, DistanceOptions, Impact, ImpactOptions, NearestSphere, Penetration, ProximityWorkspace, Ray,
     RayHit, RigidMotion, Separation, TimeOfImpact,

@@ -5,7 +5,7 @@
 //! around up to sixteen groups, of all levels, make one list; it is filtered by the box of each group, and what is left is
 //! tested against each sphere of the group.
 
-use super::lanes::{BlockLanes, live_lanes};
+use super::lanes::{BlockLanes, live_lanes, load};
 use super::pairs::{Lanes, PairBuffer, PairSink};
 use super::relative_pose::RelativePose;
 use super::workspace::Candidates;
@@ -121,7 +121,7 @@ impl<'a> GridPair<'a> {
                 }
                 let index = core::array::from_fn(|lane| own.entries.index[group.first + lane]);
                 let lanes = Lanes { balls: &group.balls, index, count: group.count, of_a: task.of_a };
-                pairs.append(simd, near_group, &lanes, (placed, sink));
+                pairs.append(simd, (near_group, 0..near_group.len), &lanes, (placed, sink));
             }
         }
         pairs.flush(simd, placed, sink);
@@ -204,14 +204,14 @@ impl<'a> GridPair<'a> {
     /// Eight entries from `first` on, in A's frame and with their skin.
     #[inline(always)]
     fn block<S: Simd>(self, simd: S, entries: &Entries, first: usize, of_a: bool) -> BallBlock {
-        let load = |array: &[f32]| f32x8::from_slice(simd, &array[first..first + WIDTH]).to_array();
-        let (x, y, z) = (load(&entries.x), load(&entries.y), load(&entries.z));
-        let radius = load(&entries.radius);
+        let x = load(simd, &entries.x, first).to_array();
+        let y = load(simd, &entries.y, first).to_array();
+        let z = load(simd, &entries.z, first).to_array();
+        let radius = load(simd, &entries.radius, first);
         if of_a {
-            let radius = (f32x8::load_array(simd, radius) + self.pose.skin_a).to_array();
-            BallBlock { x, y, z, radius }
+            BallBlock { x, y, z, radius: (radius + self.pose.skin_a).to_array() }
         } else {
-            self.pose.place(simd, &BallBlock { x, y, z, radius })
+            self.pose.place(simd, &BallBlock { x, y, z, radius: radius.to_array() })
         }
     }
 }
@@ -257,14 +257,18 @@ struct BoxLanes<S: Simd> {
     radius: f32x8<S>,
 }
 
+#[inline(always)]
+fn splat<S: Simd>(simd: S, v: Vec3) -> [f32x8<S>; 3] {
+    [f32x8::splat(simd, v.x), f32x8::splat(simd, v.y), f32x8::splat(simd, v.z)]
+}
+
 impl<S: Simd> BoxLanes<S> {
     #[inline(always)]
     fn new(simd: S, spheres: &BallBox) -> Self {
-        let splat = |v: Vec3| [f32x8::splat(simd, v.x), f32x8::splat(simd, v.y), f32x8::splat(simd, v.z)];
         let (center, half) = spheres.center_and_half();
         // A little more than the largest radius: the test must pass whatever passes that of any single sphere.
         let radius = spheres.radius + (center.abs() + half).max_element() * ROUNDING;
-        Self { center: splat(center), half: splat(half), radius: f32x8::splat(simd, radius) }
+        Self { center: splat(simd, center), half: splat(simd, half), radius: f32x8::splat(simd, radius) }
     }
 
     /// Which balls come as close to the box as the largest radius.

@@ -1,4 +1,7 @@
 //! Tests of balls against eight balls at once, and lists of those that pass.
+//!
+//! Here and wherever vectors are computed with: no vector passes through a closure. The compiler may make a function of it,
+//! without the instruction set that was chosen, and then every operation on the vector is a call.
 
 use super::workspace::Candidates;
 use crate::tree::{BallBlock, WIDTH};
@@ -39,24 +42,22 @@ impl<S: Simd> BlockLanes<S> {
     /// `balls`, each enlarged by `skin`; the first is number `first`.
     #[inline(always)]
     pub(super) fn new(simd: S, balls: &BallBlock, skin: f32, first: usize) -> Self {
-        let load = |array: [f32; WIDTH]| f32x8::load_array(simd, array);
         Self {
-            x: load(balls.x),
-            y: load(balls.y),
-            z: load(balls.z),
-            radius: load(balls.radius) + skin,
+            x: f32x8::load_array(simd, balls.x),
+            y: f32x8::load_array(simd, balls.y),
+            z: f32x8::load_array(simd, balls.z),
+            radius: f32x8::load_array(simd, balls.radius) + skin,
             index: u32x8::load_array(simd, [0, 1, 2, 3, 4, 5, 6, 7]) + first as u32,
         }
     }
 
     #[inline(always)]
     pub(super) fn of(simd: S, list: &Candidates, first: usize) -> Self {
-        let load = |array: &[f32]| f32x8::from_slice(simd, &array[first..first + WIDTH]);
         Self {
-            x: load(&list.x),
-            y: load(&list.y),
-            z: load(&list.z),
-            radius: load(&list.radius),
+            x: load(simd, &list.x, first),
+            y: load(simd, &list.y, first),
+            z: load(simd, &list.z, first),
+            radius: load(simd, &list.radius, first),
             index: u32x8::from_slice(simd, &list.index[first..first + WIDTH]),
         }
     }
@@ -78,6 +79,12 @@ impl<S: Simd> BlockLanes<S> {
         simd.compress_u32x8(self.index, mask).store_slice(&mut list.index[at]);
         list.len += mask.to_bitmask().count_ones() as usize;
     }
+}
+
+/// Eight numbers of `array` from `first` on.
+#[inline(always)]
+pub(super) fn load<S: Simd>(simd: S, array: &[f32], first: usize) -> f32x8<S> {
+    f32x8::from_slice(simd, &array[first..first + WIDTH])
 }
 
 /// Lanes of the block at `first` that hold one of the list's `len` balls.

@@ -54,10 +54,10 @@ impl<S: Simd> Lanes3<S> {
 pub(super) struct PairLanes<S: Simd> {
     pub(super) center_a: Lanes3<S>,
     pub(super) center_b: Lanes3<S>,
-    radius_a: f32x8<S>,
-    radius_b: f32x8<S>,
+    pub(super) radius_a: f32x8<S>,
+    pub(super) radius_b: f32x8<S>,
     /// Lanes that hold a pair.
-    live: mask32x8<S>,
+    pub(super) live: mask32x8<S>,
 }
 
 impl<S: Simd> PairLanes<S> {

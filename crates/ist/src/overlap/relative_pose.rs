@@ -1,7 +1,7 @@
 //! Where the second tree stands in the frame of the first.
 
 use crate::InnerSphereTree;
-use crate::tree::{BallBlock, WIDTH};
+use crate::tree::BallBlock;
 use fearless_simd::{Simd, f32x8, prelude::*};
 use glam::{Mat3, Vec3};
 use glamx::Pose3;
@@ -51,6 +51,11 @@ impl RelativePose {
         Some(Self { rotation, linear: rotation * scale, translation, scale, skin_a, skin_b })
     }
 
+    /// The same with every ball of B larger by `margin`, in A's unscaled frame.
+    pub(super) fn with_margin(&self, margin: f32) -> Self {
+        Self { skin_b: self.skin_b + margin, ..*self }
+    }
+
     /// A point of B's unscaled frame in A's.
     pub(super) fn transform_point(&self, p: Vec3) -> Vec3 {
         self.linear * p + self.translation
@@ -59,13 +64,15 @@ impl RelativePose {
     /// `block` of B in A's frame.
     #[inline(always)]
     pub(super) fn place<S: Simd>(&self, simd: S, block: &BallBlock) -> BallBlock {
-        let load = |array: [f32; WIDTH]| f32x8::load_array(simd, array);
-        let (x, y, z) = (load(block.x), load(block.y), load(block.z));
-        let row = |i: usize| {
-            let row = self.linear.row(i);
-            (x * row.x + y * row.y + z * row.z + self.translation[i]).to_array()
-        };
-        let radius = (load(block.radius) * self.scale + self.skin_b).to_array();
-        BallBlock { x: row(0), y: row(1), z: row(2), radius }
+        let x = f32x8::load_array(simd, block.x);
+        let y = f32x8::load_array(simd, block.y);
+        let z = f32x8::load_array(simd, block.z);
+        let (m, t) = (&self.linear, self.translation);
+        BallBlock {
+            x: (x * m.x_axis.x + y * m.y_axis.x + z * m.z_axis.x + t.x).to_array(),
+            y: (x * m.x_axis.y + y * m.y_axis.y + z * m.z_axis.y + t.y).to_array(),
+            z: (x * m.x_axis.z + y * m.y_axis.z + z * m.z_axis.z + t.z).to_array(),
+            radius: (f32x8::load_array(simd, block.radius) * self.scale + self.skin_b).to_array(),
+        }
     }
 }

@@ -36,19 +36,19 @@ const SIGNIFICANT: f32 = 0.3;
 /// Overlapping pairs of spheres and what each sphere of either side sees of the overlap.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lenses {
-    lenses: Vec<Lens>,
+    pub(super) lenses: Vec<Lens>,
     of_a: Vec<Sum>,
     of_b: Vec<Sum>,
 }
 
 /// One pair, in A's unscaled frame.
 #[derive(Clone, Copy, Debug)]
-struct Lens {
-    centroid: Vec3,
-    axis: Vec3,
-    volume: f32,
-    area: f32,
-    spheres: [u32; 2],
+pub(super) struct Lens {
+    pub(super) centroid: Vec3,
+    pub(super) axis: Vec3,
+    pub(super) volume: f32,
+    pub(super) area: f32,
+    pub(super) spheres: [u32; 2],
 }
 
 /// Sum over the lenses of one sphere.
@@ -133,8 +133,9 @@ impl PairSink for LensSink<'_> {
     }
 }
 
-/// The unit vector along `v`, however short: axes of nearly concentric balls have squares that f32 does not hold.
-fn direction(v: Vec3) -> Option<Vec3> {
+/// The unit vector along `v`, however short: axes of nearly concentric balls, and forces on small bodies, have squares that f32
+/// does not hold.
+pub(crate) fn direction(v: Vec3) -> Option<Vec3> {
     (v / v.abs().max_element()).try_normalize()
 }
 

@@ -180,19 +180,20 @@ impl<S: Simd> StiffnessLanes<S> {
 
     #[inline(always)]
     pub(super) fn add_to(self, total: &mut StiffnessSum) {
-        let matrix = |columns: [Lanes3<S>; 3]| {
-            let [x, y, z] = columns.map(Lanes3::sum);
-            DMat3::from_cols(x, y, z)
-        };
         total.nn += self.nn.sum();
-        total.nm += matrix(self.nm);
+        total.nm += matrix(&self.nm);
         total.mm += self.mm.sum();
         total.transverse += sum(self.transverse);
         total.transverse_r += self.transverse_r.sum();
         total.transverse_rr += self.transverse_rr.sum();
         // V' is minus the area.
-        total.first -= matrix(self.first);
+        total.first -= matrix(&self.first);
     }
+}
+
+#[inline(always)]
+fn matrix<S: Simd>([x, y, z]: &[Lanes3<S>; 3]) -> DMat3 {
+    DMat3::from_cols(x.sum(), y.sum(), z.sum())
 }
 
 impl<S: Simd> Symmetric<S> {

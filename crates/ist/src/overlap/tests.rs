@@ -170,3 +170,10 @@ fn coincident_solids_overlap_wholly() {
         assert!(overlap.intersects);
     }
 }
+
+/// A large volume without any direction was divided by zero.
+#[test]
+fn issue_a_large_volume_without_direction_gives_nan() {
+    let overlap = ball(2.0).overlap(&ball(1.9), &Pose3::IDENTITY, &mut OverlapWorkspace::default());
+    assert!(overlap.volume > 4.0 && overlap.force == Vec3::ZERO && overlap.torque == Vec3::ZERO);
+}

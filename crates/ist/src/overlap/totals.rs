@@ -132,6 +132,12 @@ impl Totals {
 }
 
 impl WrenchSum {
+    /// Adds a force that attacks at `point`.
+    pub(super) fn add_force(&mut self, force: DVec3, point: DVec3) {
+        self.force += force;
+        self.torque += point.cross(force);
+    }
+
     fn add(&mut self, other: &Self) {
         self.force += other.force;
         self.torque += other.torque;
@@ -181,8 +187,11 @@ impl<S: Simd> WrenchLanes<S> {
 #[inline(always)]
 fn gather<S: Simd>(simd: S, normals: &[Vec3], index: &[u32]) -> Lanes3<S> {
     let normal: [&Vec3; WIDTH] = core::array::from_fn(|lane| &normals[index[lane] as usize]);
-    let lanes = |axis: usize| f32x8::from_fn(simd, |lane| normal[lane][axis]);
-    Lanes3 { x: lanes(0), y: lanes(1), z: lanes(2) }
+    Lanes3 {
+        x: f32x8::from_fn(simd, |lane| normal[lane].x),
+        y: f32x8::from_fn(simd, |lane| normal[lane].y),
+        z: f32x8::from_fn(simd, |lane| normal[lane].z),
+    }
 }
 
 impl<S: Simd> Lanes3<S> {
@@ -194,11 +203,12 @@ impl<S: Simd> Lanes3<S> {
 
     #[inline(always)]
     fn rotate(self, rotation: &Mat3) -> Self {
-        let row = |i: usize| {
-            let row = rotation.row(i);
-            self.x * row.x + self.y * row.y + self.z * row.z
-        };
-        Self { x: row(0), y: row(1), z: row(2) }
+        let Mat3 { x_axis, y_axis, z_axis } = *rotation;
+        Self {
+            x: self.x * x_axis.x + self.y * y_axis.x + self.z * z_axis.x,
+            y: self.x * x_axis.y + self.y * y_axis.y + self.z * z_axis.y,
+            z: self.x * x_axis.z + self.y * y_axis.z + self.z * z_axis.z,
+        }
     }
 
     #[inline(always)]

@@ -5,33 +5,81 @@
 //! that most tests run on dense arrays. Both trees descend in step; the taller one starts alone.
 
 use super::lanes::{Ball, BlockLanes, live_lanes};
-use super::pairs::{Lanes, PairSink};
+use super::pairs::{Lanes, PairBuffer, PairSink};
 use super::relative_pose::RelativePose;
-use super::workspace::{Candidates, OverlapWorkspace, Siblings};
-use crate::tree::{TreeData, WIDTH};
+use super::workspace::{Candidates, OverlapWorkspace, Siblings, TraversalScratch};
+use crate::tree::{BallBlock, TreeData, WIDTH};
+use core::ops::Range;
 use fearless_simd::{Simd, prelude::*};
+
+/// Takes the leaves of B a block at a time, each with the leaves of A that are near it.
+pub(super) trait BlockVisitor {
+    /// `near` are the leaves of A, by their order, that meet the ball over block `block` of B's leaves: at least one.
+    fn visit<S: Simd>(&mut self, simd: S, block: usize, near: &Candidates);
+}
+
+/// Makes pairs of blocks and their neighbours, for a sink.
+pub(super) struct PairFinder<'a, K> {
+    pub(super) b: &'a TreeData,
+    pub(super) pose: &'a RelativePose,
+    pub(super) placed: &'a mut [BallBlock],
+    pub(super) pairs: &'a mut PairBuffer,
+    pub(super) sink: &'a mut K,
+}
+
+impl<K: PairSink> BlockVisitor for PairFinder<'_, K> {
+    #[inline(always)]
+    fn visit<S: Simd>(&mut self, simd: S, block: usize, near: &Candidates) {
+        self.pair(simd, block, (near, 0..near.len));
+    }
+}
+
+impl<K: PairSink> PairFinder<'_, K> {
+    /// The pairs of block `block` of B's leaves with the leaves of A in a part of a list.
+    #[inline(always)]
+    pub(super) fn pair<S: Simd>(&mut self, simd: S, block: usize, near: (&Candidates, Range<usize>)) {
+        self.placed[block] = self.pose.place(simd, &self.b.levels[0].blocks[block]);
+        self.pairs.append(simd, near, &Lanes::block_of_b(self.placed, block), (self.placed, self.sink));
+    }
+}
 
 /// Hands every pair of overlapping volume balls to `sink`, each once, in an order that depends on
 /// the trees and the pose only.
 #[inline(always)]
 pub(super) fn for_each_pair<S: Simd>(
     simd: S,
-    (a, b): (&TreeData, &TreeData),
+    trees: (&TreeData, &TreeData),
     pose: &RelativePose,
     workspace: &mut OverlapWorkspace,
     sink: &mut impl PairSink,
 ) {
-    workspace.fit(a, b);
-    let OverlapWorkspace { near, children, blocks, placed, pairs, .. } = workspace;
+    workspace.fit_leaves(trees.1);
+    let OverlapWorkspace { traversal, placed, pairs, .. } = workspace;
+    let mut finder = PairFinder { b: trees.1, pose, placed, pairs, sink };
+    for_each_block(simd, trees, pose, traversal, &mut finder);
+    finder.pairs.flush(simd, finder.placed, finder.sink);
+}
+
+/// Hands every block of B's leaves that has a leaf of A near it to `visitor`, in B's order.
+#[inline(always)]
+pub(super) fn for_each_block<S: Simd>(
+    simd: S,
+    (a, b): (&TreeData, &TreeData),
+    pose: &RelativePose,
+    scratch: &mut TraversalScratch,
+    visitor: &mut impl BlockVisitor,
+) {
+    scratch.fit(a, b);
+    let TraversalScratch { near, children, blocks } = scratch;
     let top = b.height();
-    let place = |level: usize, block: usize| pose.place(simd, &b.levels[level].blocks[block]);
-    let root = place(top, 0);
+    let root = pose.place(simd, &b.root().blocks[0]);
     let a = Skinned { data: a, skin: pose.skin_a };
     descend_alone(simd, (a, top), &Ball::of(simd, &root, 0), &mut near[top], &mut children[top]);
     if top == 0 {
-        placed[0] = root;
-        pairs.append(simd, &children[0], &Lanes::block_of_b(placed, 0), (placed, sink));
-        return pairs.flush(simd, placed, sink);
+        if children[0].len > 0 {
+            visitor.visit(simd, 0, &children[0]);
+        }
+        return;
     }
     blocks[top] = Siblings { balls: root, next: 0, end: 1 };
     let mut level = top;
@@ -59,17 +107,15 @@ pub(super) fn for_each_pair<S: Simd>(
         if children[below].len == 0 {
             continue;
         }
-        let balls = place(below, node);
         if below == 0 {
-            placed[node] = balls;
-            pairs.append(simd, &children[0], &Lanes::block_of_b(placed, node), (placed, sink));
+            visitor.visit(simd, node, &children[0]);
         } else {
+            let balls = pose.place(simd, &b.levels[below].blocks[node]);
             let end = b.levels[below].len().min((node + 1) * WIDTH);
             blocks[below] = Siblings { balls, next: node * WIDTH, end };
             level = below;
         }
     }
-    pairs.flush(simd, placed, sink);
 }
 
 /// Fills `list` with A's balls of level `down_to` (or of the root, if that is lower) that meet `ball`.
@@ -94,9 +140,9 @@ fn descend_alone<S: Simd>(
 
 /// A's tree and the thickness by which its balls are enlarged.
 #[derive(Clone, Copy)]
-struct Skinned<'a> {
-    data: &'a TreeData,
-    skin: f32,
+pub(super) struct Skinned<'a> {
+    pub(super) data: &'a TreeData,
+    pub(super) skin: f32,
 }
 
 impl Skinned<'_> {
@@ -108,7 +154,7 @@ impl Skinned<'_> {
 
 /// Appends to `kept` the balls of `list` that meet `ball`.
 #[inline(always)]
-fn keep_touching<S: Simd>(simd: S, list: &Candidates, ball: &Ball<S>, kept: &mut Candidates) {
+pub(super) fn keep_touching<S: Simd>(simd: S, list: &Candidates, ball: &Ball<S>, kept: &mut Candidates) {
     for first in (0..list.len).step_by(WIDTH) {
         let block = BlockLanes::of(simd, list, first);
         let mask = block.touches(ball) & live_lanes(simd, list.len, first);
@@ -118,7 +164,7 @@ fn keep_touching<S: Simd>(simd: S, list: &Candidates, ball: &Ball<S>, kept: &mut
 
 /// Appends to `kept` the balls on `level` of A below those of `list` that meet `ball`.
 #[inline(always)]
-fn expand<S: Simd>(
+pub(super) fn expand<S: Simd>(
     simd: S,
     a: Skinned,
     (list, level): (&Candidates, usize),

@@ -12,17 +12,24 @@ use alloc::vec::Vec;
 /// that fits allocates nothing. Its content never affects a result.
 #[derive(Clone, Debug, Default)]
 pub struct OverlapWorkspace {
+    pub(super) traversal: TraversalScratch,
+    /// Leaves of B in A's frame, as far as they were needed.
+    pub(super) placed: Vec<BallBlock>,
+    pub(super) pairs: PairBuffer,
+    pub(super) lenses: Lenses,
+    pub(super) grid: GridScratch,
+    pub(super) patches: crate::patches::Scratch,
+}
+
+/// Scratch memory of a walk over two trees.
+#[derive(Clone, Debug, Default)]
+pub(super) struct TraversalScratch {
     /// Per level of B's tree: balls of A that meet the current ball of B.
     pub(super) near: Vec<Candidates>,
     /// Per level of B's tree: children of the level above's `near` that meet the ball above.
     pub(super) children: Vec<Candidates>,
     /// Per level of B's tree: the current block of B in A's frame.
     pub(super) blocks: Vec<Siblings>,
-    /// Leaves of B in A's frame, as far as they were needed.
-    pub(super) placed: Vec<BallBlock>,
-    pub(super) pairs: PairBuffer,
-    pub(super) lenses: Lenses,
-    pub(super) grid: GridScratch,
 }
 
 /// Balls of A in struct-of-arrays order with their index in their level.
@@ -49,8 +56,8 @@ impl Siblings {
     const NONE: Self = Self { balls: BallBlock::FAR, next: 0, end: 0 };
 }
 
-impl OverlapWorkspace {
-    /// Makes room for a query of `a` against `b`.
+impl TraversalScratch {
+    /// Makes room for a walk over `a` and `b`.
     pub(super) fn fit(&mut self, a: &TreeData, b: &TreeData) {
         let levels = b.levels.len();
         if self.near.len() < levels {
@@ -63,6 +70,12 @@ impl OverlapWorkspace {
             self.near[level].fit(most);
             self.children[level].fit(most);
         }
+    }
+}
+
+impl OverlapWorkspace {
+    /// Makes room for the leaves of `b` in A's frame.
+    pub(super) fn fit_leaves(&mut self, b: &TreeData) {
         if self.placed.len() < b.levels[0].blocks.len() {
             self.placed.resize(b.levels[0].blocks.len(), BallBlock::FAR);
         }

@@ -6,14 +6,18 @@
 //! stored and eight bounds are tested by one SIMD instruction sequence. See [`builder`] for the order.
 
 mod builder;
+mod covering_depth;
 mod enclosing_ball;
 mod levels;
+mod node_sums;
 
 use crate::{InnerSphere, SolidProperties, SphereGrid, SpherePacking};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
+pub(crate) use covering_depth::TOLERANCE as DEPTH_TOLERANCE;
 use glam::Vec3;
 pub(crate) use levels::{BallBlock, Balls};
+pub(crate) use node_sums::{DepthAt, NodeSum, NodeSums};
 
 /// Children per node: the width of one AVX register of f32.
 pub(crate) const WIDTH: usize = 8;
@@ -21,7 +25,7 @@ pub(crate) const WIDTH: usize = 8;
 /// A hierarchy over the spheres of a packing; the solid that queries run against.
 ///
 /// Cloning and scaling are O(1): the hierarchy is shared. Building costs O(n log n) time, and a tree takes
-/// about 51 bytes per sphere.
+/// about 56 bytes per sphere.
 #[derive(Clone, Debug)]
 pub struct InnerSphereTree {
     data: Arc<TreeData>,
@@ -46,6 +50,8 @@ pub(crate) struct TreeData {
     pub(crate) normals: Vec<Vec3>,
     /// Index in the packing of each sphere of level 0.
     pub(crate) packing_index: Vec<u32>,
+    /// Sums over the spheres below each node.
+    pub(crate) sums: NodeSums,
     solid: SolidProperties,
 }
 
@@ -62,12 +68,15 @@ impl InnerSphereTree {
         let balls: Vec<(Vec3, f32)> = spheres.iter().map(volume_ball).collect();
         let order = builder::clustered_order(&balls);
         let sorted = || order.iter().map(|&i| &spheres[i as usize]);
+        let levels = builder::wrapped_levels(order.iter().map(|&i| balls[i as usize]));
+        let normals: Vec<Vec3> = sorted().map(|s| s.normal).collect();
         let data = TreeData {
             unit,
-            levels: builder::wrapped_levels(order.iter().map(|&i| balls[i as usize])),
+            sums: NodeSums::new(&levels, &normals),
+            levels,
             inner_center: sorted().map(|s| s.center / unit).collect(),
             inner_radius: sorted().map(|s| s.radius / unit).collect(),
-            normals: sorted().map(|s| s.normal).collect(),
+            normals,
             solid: *packing.solid(),
             packing_index: order,
         };
@@ -168,6 +177,10 @@ impl InnerSphereTree {
     /// Unit of length of [`Self::data`] (m), at this tree's scale.
     pub(crate) fn unit(&self) -> f32 {
         self.scale * self.data.unit
+    }
+
+    pub(crate) fn shared(&self) -> &Arc<TreeData> {
+        &self.data
     }
 
     pub(crate) fn data(&self) -> &TreeData {

@@ -1,0 +1,87 @@
+//! What does not change during one time-critical query.
+
+use super::super::relative_pose::RelativePose;
+use crate::tree::{DEPTH_TOLERANCE, DepthAt, NodeSum, TreeData};
+use glam::Vec3;
+
+/// What rounding does to the distance of two balls, and to the heights of the caps of their lens, relative to the
+/// largest coordinate. Three products and three sums move a centre of B by at most 4 · 2⁻²⁴, differences, root and caps
+/// add 6 · 2⁻²⁴; in all 6e-7.
+const ROUNDING: f32 = 1e-6;
+
+/// Two trees at a pose, in A's unscaled frame.
+pub(super) struct Query<'a> {
+    pub(super) a: Side<'a>,
+    pub(super) b: Side<'a>,
+    pub(super) pose: &'a RelativePose,
+    /// How far rounding moves a centre of B at most (m).
+    pub(super) rounding: f32,
+}
+
+/// One of the trees.
+pub(super) struct Side<'a> {
+    pub(super) tree: &'a TreeData,
+    scale: f32,
+    pub(super) skin: f32,
+    depth: DepthAt,
+}
+
+impl<'a> Query<'a> {
+    pub(super) fn new((a, b): (&'a TreeData, &'a TreeData), pose: &'a RelativePose) -> Self {
+        let reach = |tree: &TreeData| {
+            let (center, radius) = tree.root().get(0);
+            center.length() + radius
+        };
+        let skins = pose.skin_a + pose.skin_b;
+        let largest = reach(a) + reach(b) * pose.scale + pose.translation.length() + skins;
+        let rounding = ROUNDING * largest;
+        // Depths hold for balls that are moved by less than their tolerance.
+        let least = b.sums.least_radius() * pose.scale + pose.skin_b;
+        let depth_b = if rounding < DEPTH_TOLERANCE * least {
+            b.sums.depth_at(pose.skin_b / pose.scale)
+        } else {
+            DepthAt::Unknown
+        };
+        Self {
+            a: Side { tree: a, scale: 1.0, skin: pose.skin_a, depth: a.sums.depth_at(pose.skin_a) },
+            b: Side { tree: b, scale: pose.scale, skin: pose.skin_b, depth: depth_b },
+            pose,
+            rounding,
+        }
+    }
+
+    /// By how much the balls of B's nodes are enlarged (m), so that their lenses bound those of spheres below: once for
+    /// rounding, once for centres that coincide, which the lens holds 1e-6 of the sum of the radii apart.
+    pub(super) fn enlargement(&self) -> f32 {
+        2.0 * self.rounding
+    }
+}
+
+/// What bounds and expected values need to know about a node.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct NodeFigures {
+    /// Sum of the volumes of the volume balls below.
+    pub(super) volume: f32,
+    /// How many balls of the whole tree cover a point of one of them at most.
+    pub(super) depth: f32,
+    /// Mean outward normal, in the tree's own frame.
+    pub(super) normal: Vec3,
+}
+
+impl Side<'_> {
+    #[inline(always)]
+    pub(super) fn figures(&self, level: usize, index: usize) -> NodeFigures {
+        let leaf = || (self.tree.levels[0].get(index).1, self.tree.normals[index]);
+        let node: NodeSum = self.tree.sums.get(level, index, leaf);
+        NodeFigures {
+            volume: node.volume(self.scale, self.skin),
+            depth: self.tree.sums.depth(&node, self.depth),
+            normal: node.normal,
+        }
+    }
+}
+
+/// How many leaves a node of `level` has at most.
+pub(super) fn leaves_below(level: usize) -> f32 {
+    (1_u64 << (3 * level).min(63)) as f32
+}

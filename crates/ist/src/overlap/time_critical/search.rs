@@ -1,0 +1,223 @@
+//! Opening one part of the overlap after the other, until the budget is spent.
+
+use super::super::lanes::Ball;
+use super::super::pairs::Lanes;
+use super::super::totals::{Totals, TotalsSink};
+use super::super::traversal::{Skinned, expand, keep_touching};
+use super::super::workspace::Candidates;
+use super::bounds::{ROW, RowMaker};
+use super::budget::Meter;
+use super::query::Query;
+use super::row::{Row, add_open};
+use super::workspace::TimeCriticalWorkspace;
+use crate::tree::{BallBlock, WIDTH};
+use fearless_simd::{Simd, f32x8, prelude::*};
+
+/// The sums over resolved pairs; no stiffness, as there is none for what is only expected.
+type Resolved<'a> = TotalsSink<'a, false>;
+
+/// Of a node of B and nodes of A with radii further apart than this only the larger are opened. With 2.5, 4, 8 and no
+/// limit a complete query of two rabbits of 10,000 spheres in mid overlap takes 8301, 6087, 3889 and 3756 visits; with
+/// a limit a small solid inside a large one is placed sooner.
+const ALIKE: f32 = 8.0;
+
+/// Pairs and parts that are resolved together. A search that stops drops those that wait, so that it has seen the same
+/// as one with a larger budget has at that point. With 1, 64 and 200 pairs a complete query of two rabbits of 10,000
+/// spheres takes 157, 133 and 138 µs in mid overlap, 433, 378 and 402 µs in deep.
+const PENDING_PAIRS: usize = 64;
+const PENDING_PARTS: usize = 32;
+
+/// What a search has found, in A's unscaled frame.
+pub(super) struct Found {
+    /// Bounds of the volume, rounding not included.
+    pub(super) lower: f64,
+    pub(super) upper: f64,
+    /// Resolved pairs exactly and all others as expected.
+    pub(super) totals: Totals,
+    pub(super) complete: bool,
+}
+
+/// Opens rows until none is left or the budget is spent.
+#[inline(always)]
+pub(super) fn search<S: Simd>(
+    simd: S,
+    query: &Query,
+    meter: &mut Meter,
+    workspace: &mut TimeCriticalWorkspace,
+) -> Found {
+    workspace.clear(query.b.tree.levels[0].blocks.len());
+    let mut resolved = Resolved::new((query.a.tree, query.b.tree), query.pose);
+    let (mut lower, mut upper) = (0.0_f64, f64::INFINITY);
+    begin(simd, query, workspace, &mut resolved);
+    let complete = loop {
+        let sums = &workspace.frontier.sums;
+        lower = lower.max(resolved.totals.volume + sums.lower - sums.rounding());
+        upper = upper.min(resolved.totals.volume + sums.upper + sums.rounding());
+        let Some(len) = workspace.frontier.next_len() else {
+            settle(simd, workspace, &mut resolved);
+            break true;
+        };
+        if !meter.spend(len) {
+            break false;
+        }
+        open_next(simd, query, workspace, &mut resolved);
+    };
+    let mut totals = resolved.totals;
+    if complete {
+        let (lower, upper) = (lower.max(totals.volume), upper.min(totals.volume));
+        return Found { lower, upper, totals, complete };
+    }
+    let open = &workspace.frontier.sums.expected;
+    // Bounds may be tighter than those of the parts that are open now: they never widen.
+    let expected = (totals.volume + open.volume).clamp(lower, upper.max(lower)) - totals.volume;
+    let factor = if open.volume > 0.0 { expected / open.volume } else { 0.0 };
+    add_open(&mut totals, open, factor.max(0.0));
+    Found { lower, upper, totals, complete }
+}
+
+/// The pair of the roots.
+#[inline(always)]
+fn begin<S: Simd>(simd: S, query: &Query, workspace: &mut TimeCriticalWorkspace, resolved: &mut Resolved) {
+    let levels = (query.a.tree.height(), query.b.tree.height());
+    workspace.nodes_a.index[0] = 0;
+    workspace.nodes_a.len = 1;
+    copy_nodes(query, levels.0, &workspace.nodes_a, &mut workspace.children_a);
+    test_children(simd, query, (levels, 0..1), workspace, resolved);
+    // Two single spheres are resolved by this.
+    settle(simd, workspace, resolved);
+}
+
+/// Opens the next row, of which there must be one.
+#[inline(always)]
+fn open_next<S: Simd>(
+    simd: S,
+    query: &Query,
+    workspace: &mut TimeCriticalWorkspace,
+    resolved: &mut Resolved,
+) {
+    let TimeCriticalWorkspace { frontier, nodes_a, children_a, pending, .. } = workspace;
+    let Some((row, len)) = frontier.pop(&mut nodes_a.index) else { return };
+    nodes_a.len = len;
+    let [open_a, open_b] = sides_to_open(&row);
+    let leaves = row.level_a as usize == usize::from(open_a) && row.level_b as usize == usize::from(open_b);
+    if leaves {
+        pending.push(row.part);
+    } else {
+        frontier.sums.subtract(&row.part);
+    }
+    let (level_a, level_b, node) = (row.level_a as usize, row.level_b as usize, row.node as usize);
+    children_a.len = 0;
+    let level_a = if open_a {
+        let [x, y, z, radius] = row.ball;
+        let ball = Ball {
+            x: f32x8::splat(simd, x),
+            y: f32x8::splat(simd, y),
+            z: f32x8::splat(simd, z),
+            radius: f32x8::splat(simd, radius),
+        };
+        let a = Skinned { data: query.a.tree, skin: query.a.skin };
+        expand(simd, a, (nodes_a, level_a - 1), &ball, children_a);
+        level_a - 1
+    } else {
+        copy_nodes(query, level_a, nodes_a, children_a);
+        level_a
+    };
+    let (level_b, nodes_b) = if open_b {
+        let end = ((node + 1) * WIDTH).min(query.b.tree.levels[level_b - 1].len());
+        (level_b - 1, node * WIDTH..end)
+    } else {
+        (level_b, node..node + 1)
+    };
+    let settled = resolved.totals.pairs;
+    test_children(simd, query, ((level_a, level_b), nodes_b), workspace, resolved);
+    let full = workspace.leaf_pairs.len() >= PENDING_PAIRS || workspace.pending.len() >= PENDING_PARTS;
+    if leaves && (full || resolved.totals.pairs != settled) {
+        settle(simd, workspace, resolved);
+    }
+}
+
+/// Resolves the pairs of leaves that wait, and takes the parts that they make out of the open ones.
+#[inline(always)]
+fn settle<S: Simd>(simd: S, workspace: &mut TimeCriticalWorkspace, resolved: &mut Resolved) {
+    workspace.leaf_pairs.flush(simd, &workspace.placed, resolved);
+    for part in workspace.pending.drain(..) {
+        workspace.frontier.sums.subtract(&part);
+    }
+}
+
+/// Whether the nodes of A and that of B are opened: both, or the larger alone.
+fn sides_to_open(row: &Row) -> [bool; 2] {
+    let radius_b = row.ball[3];
+    match (row.level_a > 0, row.level_b > 0) {
+        (true, true) if row.largest > ALIKE * radius_b => [true, false],
+        (true, true) if radius_b > ALIKE * row.largest => [false, true],
+        sides => sides.into(),
+    }
+}
+
+/// Tests nodes of B, siblings on their level, against the workspace's `children_a` on theirs: adds pairs of leaves
+/// to `resolved` and makes rows of all others that meet.
+#[inline(always)]
+fn test_children<S: Simd>(
+    simd: S,
+    query: &Query,
+    ((level_a, level_b), nodes_b): ((usize, usize), core::ops::Range<usize>),
+    workspace: &mut TimeCriticalWorkspace,
+    resolved: &mut Resolved,
+) {
+    let TimeCriticalWorkspace { frontier, children_a, near, placed, leaf_pairs, .. } = workspace;
+    let block = nodes_b.start / WIDTH;
+    let mut balls = query.pose.place(simd, &query.b.tree.levels[level_b].blocks[block]);
+    if level_a == 0 && level_b == 0 {
+        placed[block] = balls;
+        let lone = lone_ball(&balls, nodes_b.start % WIDTH);
+        let lanes = if nodes_b.len() == 1 {
+            Lanes { balls: &lone, index: [nodes_b.start as u32; WIDTH], count: 1, of_a: false }
+        } else {
+            Lanes::block_of_b(placed, block)
+        };
+        leaf_pairs.append(simd, (children_a, 0..children_a.len), &lanes, (placed, resolved));
+        return;
+    }
+    balls.radius = balls.radius.map(|radius| radius + query.enlargement());
+    let mut rows = RowMaker::new(query, frontier, (level_a, level_b));
+    for node in nodes_b {
+        let lane = node % WIDTH;
+        near.len = 0;
+        keep_touching(simd, children_a, &Ball::of(simd, &balls, lane), near);
+        pad(near);
+        rows.add(simd, near, (node, [balls.x[lane], balls.y[lane], balls.z[lane], balls.radius[lane]]));
+    }
+}
+
+/// Ball `lane` of `balls` in the first lane of a block.
+fn lone_ball(balls: &BallBlock, lane: usize) -> BallBlock {
+    let mut lone = BallBlock::FAR;
+    (lone.x[0], lone.y[0], lone.z[0]) = (balls.x[lane], balls.y[lane], balls.z[lane]);
+    lone.radius[0] = balls.radius[lane];
+    lone
+}
+
+/// Repeats the last ball up to the end of its block: what lists held before may be anything.
+fn pad(list: &mut Candidates) {
+    let Some(last) = list.len.checked_sub(1) else { return };
+    let rest = list.len..list.len.next_multiple_of(WIDTH);
+    for array in [&mut list.x, &mut list.y, &mut list.z, &mut list.radius] {
+        let ball = array[last];
+        array[rest.clone()].fill(ball);
+    }
+    let index = list.index[last];
+    list.index[rest].fill(index);
+}
+
+/// Copies the balls of A's nodes `nodes` of `level` to `balls`.
+fn copy_nodes(query: &Query, level: usize, nodes: &Candidates, balls: &mut Candidates) {
+    let of = &query.a.tree.levels[level];
+    for (at, index) in nodes.index[..nodes.len.min(ROW)].iter().enumerate() {
+        let (center, radius) = of.get(*index as usize);
+        (balls.x[at], balls.y[at], balls.z[at]) = center.into();
+        balls.radius[at] = radius + query.a.skin;
+        balls.index[at] = *index;
+    }
+    balls.len = nodes.len;
+}
