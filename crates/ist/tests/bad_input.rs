@@ -6,8 +6,9 @@
 use glam::{DVec3, Quat, Vec3};
 use glamx::Pose3;
 use ist::{
-    BallKind, Engine, ForceLaw, InnerSphere, InnerSphereTree, Overlap, OverlapQuery, OverlapWorkspace,
-    PackingError, SolidProperties, SpherePacking, reference,
+    BallKind, Budget, ContactPatch, Engine, ForceLaw, InnerSphere, InnerSphereTree, Overlap, OverlapCache,
+    OverlapQuery, OverlapWorkspace, PackingError, SolidProperties, SpherePacking, TimeCriticalWorkspace,
+    reference,
 };
 
 const LAWS: [ForceLaw; 3] = [ForceLaw::VolumeGradient, ForceLaw::OutwardNormals, ForceLaw::Blended];
@@ -61,6 +62,24 @@ fn all_overlaps(what: &str, [a, b]: [&InnerSphereTree; 2], pose: &Pose3, passes:
                 assert!(numbers(&overlap).into_iter().all(passes), "{what}, {query:?}: {overlap:?}");
             }
         }
+    }
+    let mut cache = OverlapCache::default();
+    let mut time_critical = TimeCriticalWorkspace::default();
+    for visits in [1, 10, 100_000] {
+        let query = OverlapQuery { stiffness: true, ..OverlapQuery::default() };
+        let cached = a.overlap_cached(b, pose, query, (&mut cache, &mut workspace));
+        assert!(numbers(&cached).into_iter().all(passes), "{what}, cached: {cached:?}");
+        let estimate = a.overlap_within(b, pose, Budget::Visits(visits), &mut time_critical);
+        assert!(numbers(&estimate.expected).into_iter().all(passes), "{what}, {visits} visits: {estimate:?}");
+        assert!(passes(estimate.lower) && passes(estimate.upper) && estimate.lower <= estimate.upper);
+    }
+    let mut patches = Vec::new();
+    a.contact_patches(b, pose, &mut workspace, &mut patches);
+    for patch in patches {
+        let ContactPatch { centroid, gradient, rotation_gradient, force, torque, bounds, points, .. } = patch;
+        let vectors = [centroid, gradient, rotation_gradient, force, torque, bounds.0, bounds.1];
+        let all = vectors.iter().chain(&points).flat_map(|v| v.to_array());
+        assert!(all.chain([patch.volume, patch.area]).all(passes), "{what}: {patch:?}");
     }
     let mut samples = Vec::new();
     a.contact_samples(b, pose, &mut workspace, &mut samples);
@@ -366,6 +385,21 @@ fn far_from_the_origin() {
             let turned = overlap.rotation_gradient.as_dvec3() - exact.rotation_gradient;
             assert!(turned.length() <= (shift * 10.0 + 1e-5) * exact.area.max(1.0), "{what}: {turned}");
             assert!(DVec3::ZERO.distance(exact.gradient) < 2.0 * exact.area);
+        }
+    }
+}
+
+#[test]
+fn half_spaces() {
+    for size in [1e-30, 1e-9, 1.0, 1e9, 1e30] {
+        let tree = solid(body(1.0, Vec3::ZERO)).scaled(size).unwrap();
+        for offset in [0.0, 0.1 * size, -0.3 * size, 1e30, -1e30, f32::MAX, -f32::MAX] {
+            let overlap = tree.overlap_with_half_space(Vec3::Y, offset);
+            assert!(numbers(&overlap).iter().all(|x| !x.is_nan()), "{size} {offset}: {overlap:?}");
+        }
+        for bad in [f32::NAN, f32::INFINITY] {
+            assert_eq!(tree.overlap_with_half_space(Vec3::Y, bad), Overlap::default());
+            assert_eq!(tree.overlap_with_half_space(Vec3::splat(bad), 0.0), Overlap::default());
         }
     }
 }
