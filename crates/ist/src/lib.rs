@@ -33,7 +33,7 @@
 //! solid, `_b` for the second.
 //!
 //! # Features
-//! - `std` (default): file access, budgets of time.
+//! - `std` (default): file access, queries within a budget.
 #![cfg_attr(not(feature = "std"), no_std)]
 
 extern crate alloc;
@@ -51,9 +51,11 @@ mod tree;
 
 pub use file::{FileError, Provenance};
 pub use grid::SphereGrid;
+#[cfg(feature = "std")]
+pub use overlap::{Budget, OverlapEstimate, TimeCriticalWorkspace};
 pub use overlap::{
-    Budget, ContactSample, DeepestPair, Engine, ForceLaw, Overlap, OverlapEstimate, OverlapQuery,
-    OverlapWorkspace, Stiffness, SurfaceDistance, TimeCriticalWorkspace,
+    ContactSample, DeepestPair, Engine, ForceLaw, Overlap, OverlapQuery, OverlapWorkspace, Stiffness,
+    SurfaceDistance,
 };
 pub use packing::{PackingError, SpherePacking};
 pub use proximity::{

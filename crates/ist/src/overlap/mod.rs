@@ -11,6 +11,7 @@ mod query;
 mod relative_pose;
 mod samples;
 mod stiffness;
+#[cfg(feature = "std")]
 mod time_critical;
 mod totals;
 mod traversal;
@@ -28,6 +29,7 @@ use relative_pose::RelativePose;
 pub use samples::ContactSample;
 use samples::LensSink;
 pub use stiffness::Stiffness;
+#[cfg(feature = "std")]
 pub use time_critical::{Budget, OverlapEstimate, TimeCriticalWorkspace};
 use totals::{Totals, TotalsSink};
 use traversal::for_each_pair;
