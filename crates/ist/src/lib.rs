@@ -34,6 +34,7 @@
 //!
 //! # Features
 //! - `std` (default): file access, queries within a budget.
+//! - `parallel`: grids and batches on all cores.
 #![cfg_attr(not(feature = "std"), no_std)]
 
 extern crate alloc;
@@ -43,6 +44,7 @@ mod grid;
 pub mod lens;
 mod overlap;
 mod packing;
+mod patches;
 mod proximity;
 pub mod reference;
 mod solid;
@@ -54,10 +56,11 @@ pub use grid::SphereGrid;
 #[cfg(feature = "std")]
 pub use overlap::{Budget, OverlapEstimate, TimeCriticalWorkspace};
 pub use overlap::{
-    ContactSample, DeepestPair, Engine, ForceLaw, Overlap, OverlapQuery, OverlapWorkspace, Stiffness,
-    SurfaceDistance,
+    ContactSample, DeepestPair, Engine, ForceLaw, Overlap, OverlapCache, OverlapPair, OverlapQuery,
+    OverlapWorkspace, Stiffness, SurfaceDistance, overlap_batch,
 };
 pub use packing::{PackingError, SpherePacking};
+pub use patches::ContactPatch;
 pub use proximity::{
     BallKind, DistanceOptions, Impact, ImpactOptions, NearestSphere, Penetration, ProximityWorkspace, Ray,
     RayHit, RigidMotion, Separation, TimeOfImpact,

@@ -5,6 +5,7 @@ mod proximity;
 use crate::InnerSphereTree;
 use crate::lens::Lens;
 use alloc::vec::Vec;
+use core::f64::consts::PI;
 use glam::{DMat3, DQuat, DVec3};
 use glamx::Pose3;
 pub use proximity::{ReferenceDistance, distance};
@@ -107,6 +108,35 @@ pub fn pairs_at(
         }
     }
     pairs
+}
+
+/// Overlap of `a` with the half-space of all points x with `normal`·x ≤ `offset` (m), in `a`'s frame: the derivatives are
+/// by motions of the half-space. Without stiffness; `normal` must be a unit vector.
+#[must_use]
+pub fn overlap_with_half_space(a: &InnerSphereTree, normal: DVec3, offset: f64) -> ReferenceOverlap {
+    let mut out = ReferenceOverlap::default();
+    let (mut moment, mut torque) = (DVec3::ZERO, DVec3::ZERO);
+    for (center, radius) in a.volume_balls() {
+        let (center, r) = (center.as_dvec3(), f64::from(radius));
+        // With s the distance of the centre from the plane, the discs at x ∈ [s, r] below the centre have areas π(r² − x²).
+        let s = (normal.dot(center) - offset).clamp(-r, r);
+        let volume = PI * (2.0 / 3.0 * r * r * r - s * (r * r - s * s / 3.0));
+        let area = PI * (r * r - s * s);
+        if volume <= 0.0 {
+            continue;
+        }
+        out.pairs += 1;
+        out.volume += volume;
+        moment += volume * center - normal * (0.25 * PI * (r * r - s * s).powi(2));
+        out.area += area;
+        out.gradient += area * normal;
+        torque += area * center.cross(normal);
+    }
+    if out.volume > 0.0 {
+        out.centroid = moment / out.volume;
+        out.rotation_gradient = torque - out.centroid.cross(out.gradient);
+    }
+    out
 }
 
 impl ReferenceOverlap {

@@ -6,19 +6,46 @@ use super::relative_pose::RelativePose;
 use super::totals::{Totals, TotalsSink};
 use super::workspace::OverlapWorkspace;
 use crate::InnerSphereTree;
+use crate::lens::Lens;
 use crate::tree::{BallBlock, TreeData};
 use fearless_simd::{Level, dispatch};
 
+/// Spheres of both solids from which on [`Engine::Auto`] thinks of the grids.
+const MANY_SPHERES: usize = 50_000;
+
 impl Engine {
     /// The grids of both solids, if they are to be used.
+    ///
+    /// The choice rests on the solids and their pose alone: were it to rest on the number of threads, so would the last bits
+    /// of the result. On one core the grids take 1.6 to 2.6 times the time of the tree where solids overlap wholly, and more
+    /// where they hardly do, as the grids look at every sphere; so they are worth it for large overlaps on two cores or
+    /// more.
     pub(super) fn grids<'a>(
         self,
         [a, b]: [&'a InnerSphereTree; 2],
         pose: &'a RelativePose,
     ) -> Option<GridPair<'a>> {
-        let (grid_a, grid_b) = (a.grid()?.data(), b.grid()?.data());
-        (self == Self::Grid).then_some(GridPair { a: grid_a, b: grid_b, pose })
+        let grids = GridPair { a: a.grid()?.data(), b: b.grid()?.data(), pose };
+        let large = || a.len() + b.len() >= MANY_SPHERES && bounding_balls_overlap_by_half([a, b], pose);
+        match self {
+            Self::Tree => None,
+            Self::Grid => Some(grids),
+            Self::Auto => (cfg!(feature = "parallel") && large()).then_some(grids),
+        }
     }
+}
+
+/// Whether the bounding balls share half of the smaller one.
+fn bounding_balls_overlap_by_half([a, b]: [&InnerSphereTree; 2], pose: &RelativePose) -> bool {
+    let ((center_a, radius_a), (center_b, radius_b)) = (a.data().root().get(0), b.data().root().get(0));
+    let radius_b = radius_b * pose.scale;
+    let lens = Lens::new(
+        f64::from(radius_a),
+        f64::from(radius_b),
+        f64::from(center_a.distance(pose.transform_point(center_b))),
+    );
+    let smaller = f64::from(radius_a.min(radius_b));
+    lens.volume >= 0.5 * Lens::new(smaller, smaller, 0.0).volume
 }
 
 /// Sums over all pairs of overlapping spheres.

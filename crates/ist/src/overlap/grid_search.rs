@@ -121,7 +121,7 @@ impl<'a> GridPair<'a> {
                 }
                 let index = core::array::from_fn(|lane| own.entries.index[group.first + lane]);
                 let lanes = Lanes { balls: &group.balls, index, count: group.count, of_a: task.of_a };
-                pairs.append(simd, near_group, &lanes, (placed, sink));
+                pairs.append(simd, (near_group, 0..near_group.len), &lanes, (placed, sink));
             }
         }
         pairs.flush(simd, placed, sink);

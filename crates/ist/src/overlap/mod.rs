@@ -1,5 +1,8 @@
 //! Overlap of two solids.
 
+mod batch;
+mod cache;
+mod cap;
 mod caps;
 mod force_law;
 mod grid_engine;
@@ -7,6 +10,7 @@ mod grid_search;
 mod lanes;
 mod lens_lanes;
 mod pairs;
+pub(crate) mod parts;
 mod query;
 mod relative_pose;
 mod samples;
@@ -19,6 +23,8 @@ mod workspace;
 
 use crate::InnerSphereTree;
 use alloc::vec::Vec;
+pub use batch::{OverlapPair, overlap_batch};
+pub use cache::OverlapCache;
 pub use caps::SurfaceDistance;
 use fearless_simd::{Level, dispatch};
 pub use force_law::ForceLaw;
@@ -100,6 +106,32 @@ impl InnerSphereTree {
         Overlap::new(&totals, query, [self, other])
     }
 
+    /// As [`Self::overlap_with`] by [`Engine::Tree`], with what `cache` remembers of earlier queries of the same two solids:
+    /// the same pairs and the same result but for rounding, sooner where B has moved little against A.
+    ///
+    /// The engine that `query` names has no effect.
+    #[must_use]
+    pub fn overlap_cached(
+        &self,
+        other: &Self,
+        pose: &Pose3,
+        query: OverlapQuery,
+        (cache, workspace): (&mut OverlapCache, &mut OverlapWorkspace),
+    ) -> Overlap {
+        let Some(pose) = RelativePose::new(self, other, pose) else { return Overlap::default() };
+        let trees = (self.data(), other.data());
+        let totals = if query.stiffness {
+            let mut sink = TotalsSink::<true>::new(trees, &pose);
+            cache.for_each_pair([self, other], &pose, workspace, &mut sink);
+            sink.totals
+        } else {
+            let mut sink = TotalsSink::<false>::new(trees, &pose);
+            cache.for_each_pair([self, other], &pose, workspace, &mut sink);
+            sink.totals
+        };
+        Overlap::new(&totals, query, [self, other])
+    }
+
     /// The overlap of this solid (A) with `other` (B) as one sample per overlapping pair of spheres, in A's
     /// frame, appended to `samples`. Their volumes add up to [`Overlap::volume`].
     pub fn contact_samples(
@@ -140,22 +172,14 @@ fn totals<const STIFFNESS: bool>(
 impl Overlap {
     /// From sums in the unscaled frame of `a`.
     fn new(totals: &Totals, query: OverlapQuery, [a, b]: [&InnerSphereTree; 2]) -> Self {
-        if totals.volume <= 0.0 {
-            return Self { pairs: totals.pairs, intersects: totals.inner_balls_meet, ..Self::default() };
-        }
         let scale = f64::from(a.scale());
-        let (scale2, scale3) = (scale * scale, scale * scale * scale);
-        let centroid = totals.moment / totals.volume;
-        let about_centroid = |wrench: &totals::WrenchSum| wrench.torque - centroid.cross(wrench.force);
-        let wrench = query.law.wrench(totals);
+        let all = Self::from_totals(totals, query.law, scale);
+        if totals.volume <= 0.0 {
+            return all;
+        }
         let [in_a, in_b] = totals.deepest.spheres;
+        let centroid = totals.moment / totals.volume;
         Self {
-            volume: (totals.volume * scale3) as f32,
-            centroid: (centroid * scale).as_vec3(),
-            gradient: (totals.gradient.force * -scale2).as_vec3(),
-            rotation_gradient: (about_centroid(&totals.gradient) * -scale3).as_vec3(),
-            force: (wrench.force * scale3).as_vec3(),
-            torque: (about_centroid(&wrench) * (scale3 * scale)).as_vec3(),
             stiffness: query
                 .stiffness
                 .then(|| totals.stiffness.about(centroid, totals.gradient.force, scale)),
@@ -163,12 +187,38 @@ impl Overlap {
                 spheres: [a.packing_index(in_a as usize), b.packing_index(in_b as usize)],
                 depth: totals.deepest.depth * a.scale(),
             }),
+            ..all
+        }
+    }
+
+    /// From sums in the frame of an A that is `scale` times as large; without stiffness and deepest pair.
+    fn from_totals(totals: &Totals, law: ForceLaw, scale: f64) -> Self {
+        if totals.volume <= 0.0 {
+            return Self { pairs: totals.pairs, intersects: totals.inner_balls_meet, ..Self::default() };
+        }
+        let (scale2, scale3) = (scale * scale, scale * scale * scale);
+        let centroid = totals.moment / totals.volume;
+        let about_centroid = |wrench: &totals::WrenchSum| wrench.torque - centroid.cross(wrench.force);
+        let wrench = law.wrench(totals);
+        Self {
+            volume: (totals.volume * scale3) as f32,
+            centroid: (centroid * scale).as_vec3(),
+            gradient: (totals.gradient.force * -scale2).as_vec3(),
+            rotation_gradient: (about_centroid(&totals.gradient) * -scale3).as_vec3(),
+            force: (wrench.force * scale3).as_vec3(),
+            torque: (about_centroid(&wrench) * (scale3 * scale)).as_vec3(),
+            stiffness: None,
+            deepest: None,
             pairs: totals.pairs,
             intersects: totals.inner_balls_meet,
         }
     }
 }
 
+#[cfg(test)]
+mod cache_tests;
+#[cfg(test)]
+mod caps_tests;
 #[cfg(test)]
 mod grid_tests;
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use super::lanes::{Ball, BlockLanes, live_lanes};
 use super::workspace::Candidates;
 use crate::tree::{BallBlock, WIDTH};
+use core::ops::Range;
 use fearless_simd::{Simd, prelude::*, u32x8};
 
 /// Takes the overlapping pairs, a batch at a time.
@@ -60,7 +61,7 @@ impl PairBuffer {
         self.len = 0;
     }
 
-    /// Appends the pairs of spheres that overlap, each of `lanes` with each of `list`; `placed` and `sink` take them when the
+    /// Appends the pairs of spheres that overlap, each of `lanes` with each of `list` in `range`; `placed` and `sink` take them when the
     /// buffer is full.
     ///
     /// Nothing here branches on the outcome of a test: about two blocks in three hold a hit, and a wrong guess of the
@@ -69,13 +70,13 @@ impl PairBuffer {
     pub(super) fn append<S: Simd>(
         &mut self,
         simd: S,
-        list: &Candidates,
+        (list, range): (&Candidates, Range<usize>),
         lanes: &Lanes,
         (placed, sink): (&[BallBlock], &mut impl PairSink),
     ) {
-        for first in (0..list.len).step_by(WIDTH) {
+        for first in range.clone().step_by(WIDTH) {
             let block = BlockLanes::of(simd, list, first);
-            let live = live_lanes(simd, list.len, first);
+            let live = live_lanes(simd, range.end, first);
             if self.lacks_room_for_blocks() {
                 self.flush(simd, placed, sink);
             }

@@ -22,7 +22,7 @@ pub struct OverlapQuery {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Engine {
-    /// The faster one.
+    /// The tree; the grids where both solids have them, with feature `parallel`, for large overlaps of many spheres.
     #[default]
     Auto,
     /// The hierarchy, on one core: time in proportion to the pairs that overlap.

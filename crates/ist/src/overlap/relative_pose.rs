@@ -37,6 +37,11 @@ impl RelativePose {
         Some(Self { rotation, linear: rotation * scale, translation, scale, skin_a, skin_b })
     }
 
+    /// The same with every ball of B larger by `margin`, in A's unscaled frame.
+    pub(super) fn with_margin(&self, margin: f32) -> Self {
+        Self { skin_b: self.skin_b + margin, ..*self }
+    }
+
     /// A point of B's unscaled frame in A's.
     pub(super) fn transform_point(&self, p: Vec3) -> Vec3 {
         self.linear * p + self.translation

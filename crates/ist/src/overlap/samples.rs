@@ -36,19 +36,19 @@ const SIGNIFICANT: f32 = 0.3;
 /// Overlapping pairs of spheres and what each sphere of either side sees of the overlap.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lenses {
-    lenses: Vec<Lens>,
+    pub(super) lenses: Vec<Lens>,
     of_a: Vec<Sum>,
     of_b: Vec<Sum>,
 }
 
 /// One pair, in A's unscaled frame.
 #[derive(Clone, Copy, Debug)]
-struct Lens {
-    centroid: Vec3,
-    axis: Vec3,
-    volume: f32,
-    area: f32,
-    spheres: [u32; 2],
+pub(super) struct Lens {
+    pub(super) centroid: Vec3,
+    pub(super) axis: Vec3,
+    pub(super) volume: f32,
+    pub(super) area: f32,
+    pub(super) spheres: [u32; 2],
 }
 
 /// Sum over the lenses of one sphere.

@@ -132,6 +132,12 @@ impl Totals {
 }
 
 impl WrenchSum {
+    /// Adds a force that attacks at `point`.
+    pub(super) fn add_force(&mut self, force: DVec3, point: DVec3) {
+        self.force += force;
+        self.torque += point.cross(force);
+    }
+
     fn add(&mut self, other: &Self) {
         self.force += other.force;
         self.torque += other.torque;

@@ -9,6 +9,7 @@ use super::pairs::{Lanes, PairBuffer, PairSink};
 use super::relative_pose::RelativePose;
 use super::workspace::{Candidates, OverlapWorkspace, Siblings, TraversalScratch};
 use crate::tree::{BallBlock, TreeData, WIDTH};
+use core::ops::Range;
 use fearless_simd::{Simd, prelude::*};
 
 /// Takes the leaves of B a block at a time, each with the leaves of A that are near it.
@@ -19,16 +20,24 @@ pub(super) trait BlockVisitor {
 
 /// Makes pairs of blocks and their neighbours, for a sink.
 pub(super) struct PairFinder<'a, K> {
-    b: &'a TreeData,
-    pose: &'a RelativePose,
-    placed: &'a mut [BallBlock],
-    pairs: &'a mut PairBuffer,
-    sink: &'a mut K,
+    pub(super) b: &'a TreeData,
+    pub(super) pose: &'a RelativePose,
+    pub(super) placed: &'a mut [BallBlock],
+    pub(super) pairs: &'a mut PairBuffer,
+    pub(super) sink: &'a mut K,
 }
 
 impl<K: PairSink> BlockVisitor for PairFinder<'_, K> {
     #[inline(always)]
     fn visit<S: Simd>(&mut self, simd: S, block: usize, near: &Candidates) {
+        self.pair(simd, block, (near, 0..near.len));
+    }
+}
+
+impl<K: PairSink> PairFinder<'_, K> {
+    /// The pairs of block `block` of B's leaves with the leaves of A in a part of a list.
+    #[inline(always)]
+    pub(super) fn pair<S: Simd>(&mut self, simd: S, block: usize, near: (&Candidates, Range<usize>)) {
         self.placed[block] = self.pose.place(simd, &self.b.levels[0].blocks[block]);
         self.pairs.append(simd, near, &Lanes::block_of_b(self.placed, block), (self.placed, self.sink));
     }

@@ -18,6 +18,7 @@ pub struct OverlapWorkspace {
     pub(super) pairs: PairBuffer,
     pub(super) lenses: Lenses,
     pub(super) grid: GridScratch,
+    pub(super) patches: crate::patches::Scratch,
 }
 
 /// Scratch memory of a walk over two trees.

@@ -171,6 +171,10 @@ impl InnerSphereTree {
         self.data.packing_index[i] as usize
     }
 
+    pub(crate) fn shared(&self) -> &Arc<TreeData> {
+        &self.data
+    }
+
     pub(crate) fn data(&self) -> &TreeData {
         &self.data
     }

@@ -176,7 +176,7 @@ fn test_children<S: Simd>(
         } else {
             Lanes::block_of_b(placed, block)
         };
-        leaf_pairs.append(simd, children_a, &lanes, (placed, resolved));
+        leaf_pairs.append(simd, (children_a, 0..children_a.len), &lanes, (placed, resolved));
         return;
     }
     balls.radius = balls.radius.map(|radius| radius + query.enlargement());
