@@ -35,6 +35,9 @@
 //! # Features
 //! - `std` (default): file access, queries within a budget.
 //! - `parallel`: grids and batches on all cores.
+//!
+//! Without `std` the crate needs `alloc`, and queries use the instruction set that it is compiled for instead of the best
+//! that the processor has.
 #![cfg_attr(not(feature = "std"), no_std)]
 
 extern crate alloc;
@@ -47,6 +50,7 @@ mod packing;
 mod patches;
 mod proximity;
 pub mod reference;
+mod simd_level;
 mod solid;
 mod sphere;
 mod tree;
