@@ -35,6 +35,7 @@ pub use query::{Engine, OverlapQuery};
 use relative_pose::RelativePose;
 pub use samples::ContactSample;
 use samples::LensSink;
+pub(crate) use samples::direction;
 pub use stiffness::Stiffness;
 #[cfg(feature = "std")]
 pub use time_critical::{Budget, OverlapEstimate, TimeCriticalWorkspace};

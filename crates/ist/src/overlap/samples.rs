@@ -133,8 +133,9 @@ impl PairSink for LensSink<'_> {
     }
 }
 
-/// The unit vector along `v`, however short: axes of nearly concentric balls have squares that f32 does not hold.
-fn direction(v: Vec3) -> Option<Vec3> {
+/// The unit vector along `v`, however short: axes of nearly concentric balls, and forces on small bodies, have squares that f32
+/// does not hold.
+pub(crate) fn direction(v: Vec3) -> Option<Vec3> {
     (v / v.abs().max_element()).try_normalize()
 }
 

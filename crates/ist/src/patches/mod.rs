@@ -8,6 +8,7 @@
 
 mod touching;
 
+use crate::overlap::direction;
 use crate::overlap::parts::{LensCloud, PartSums, with_lenses};
 use crate::{ForceLaw, InnerSphereTree, OverlapWorkspace};
 use alloc::vec::Vec;
@@ -137,7 +138,7 @@ impl Scratch {
         self.for_each_lens(|lens, region| cloud.add(lens, &mut region.sums));
         for region in &mut self.regions {
             let patch = cloud.patch(&region.sums, law);
-            region.normal = patch.force.try_normalize().or(patch.gradient.try_normalize()).unwrap_or(Vec3::Y);
+            region.normal = direction(patch.force).or(direction(patch.gradient)).unwrap_or(Vec3::Y);
             region.patch = patch;
         }
         self.for_each_lens(|lens, region| {
