@@ -131,6 +131,8 @@ fn simulate(a: &InnerSphereTree, b: &InnerSphereTree, budgets: &[u64], arguments
     }
     let count = (arguments.seconds / TICK) as usize;
     let smaller = a.solid().volume.min(b.solid().volume);
+    a.prepare_overlap_within();
+    b.prepare_overlap_within();
     // Memory is touched for the first time before the loop.
     let deepest = pose(a, b, 0.5);
     let _ = a.overlap(b, &deepest, &mut workspace);

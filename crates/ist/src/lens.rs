@@ -7,6 +7,7 @@
 //! clamped to `[0, 2r]` make the same formulas give a contained ball and disjoint balls. Nothing cancels where
 //! the lens is thin: h appears as a factor.
 
+use crate::sphere::SQUARABLE;
 use core::f64::consts::PI;
 
 /// The intersection of two balls, on the line from the first centre to the second.
@@ -36,13 +37,13 @@ impl Lens {
             return Self { volume: 0.0, area: 0.0, centroid: 0.0, circle: 0.0, curvature: 0.0 };
         }
         // Concentric balls: any positive distance gives the same clamped heights.
-        let d = d.max(f64::MIN_POSITIVE.sqrt());
+        let d = d.max(SQUARABLE);
         let h_a = (h * (b - a + d) / (2.0 * d)).clamp(0.0, 2.0 * a);
         let h_b = (h * (a - b + d) / (2.0 * d)).clamp(0.0, 2.0 * b);
         let cap_b = PI / 3.0 * h_b * h_b * (3.0 * b - h_b);
         let volume = PI / 3.0 * h_a * h_a * (3.0 * a - h_a) + cap_b;
-        let moment_a = PI / 4.0 * (h_a * (2.0 * a - h_a)).powi(2);
-        let moment_b = PI / 4.0 * (h_b * (2.0 * b - h_b)).powi(2);
+        let (chord_a, chord_b) = (h_a * (2.0 * a - h_a), h_b * (2.0 * b - h_b));
+        let (moment_a, moment_b) = (PI / 4.0 * (chord_a * chord_a), PI / 4.0 * (chord_b * chord_b));
         let area = PI * h_a * (2.0 * a - h_a);
         let curvature = if area > 0.0 { 2.0 * PI * (a - h_a) * (b - h_b) / d } else { 0.0 };
         Self {

@@ -33,8 +33,11 @@
 //! solid, `_b` for the second.
 //!
 //! # Features
-//! - `std` (default): file access, budgets of time.
+//! - `std` (default): file access, queries within a budget.
 //! - `parallel`: grids and batches on all cores.
+//!
+//! Without `std` the crate needs `alloc`, and queries use the instruction set that it is compiled for instead of the best
+//! that the processor has.
 #![cfg_attr(not(feature = "std"), no_std)]
 
 extern crate alloc;
@@ -47,16 +50,18 @@ mod packing;
 mod patches;
 mod proximity;
 pub mod reference;
+mod simd_level;
 mod solid;
 mod sphere;
 mod tree;
 
 pub use file::{FileError, Provenance};
 pub use grid::SphereGrid;
+#[cfg(feature = "std")]
+pub use overlap::{Budget, OverlapEstimate, TimeCriticalWorkspace};
 pub use overlap::{
-    Budget, ContactSample, DeepestPair, Engine, ForceLaw, Overlap, OverlapCache, OverlapEstimate,
-    OverlapPair, OverlapQuery, OverlapWorkspace, Stiffness, SurfaceDistance, TimeCriticalWorkspace,
-    overlap_batch,
+    ContactSample, DeepestPair, Engine, ForceLaw, Overlap, OverlapCache, OverlapPair, OverlapQuery,
+    OverlapWorkspace, Stiffness, SurfaceDistance, overlap_batch,
 };
 pub use packing::{PackingError, SpherePacking};
 pub use patches::ContactPatch;

@@ -127,7 +127,8 @@ pub fn overlap_with_half_space(a: &InnerSphereTree, normal: DVec3, offset: f64) 
         }
         out.pairs += 1;
         out.volume += volume;
-        moment += volume * center - normal * (0.25 * PI * (r * r - s * s).powi(2));
+        let chord = r * r - s * s;
+        moment += volume * center - normal * (0.25 * PI * (chord * chord));
         out.area += area;
         out.gradient += area * normal;
         torque += area * center.cross(normal);

@@ -32,10 +32,11 @@ impl SolidProperties {
     /// The same solid, `scale` times as large.
     #[must_use]
     pub fn scaled(&self, scale: f64) -> Self {
+        let square = scale * scale;
         Self {
-            volume: self.volume * scale.powi(3),
+            volume: self.volume * (scale * square),
             centroid: self.centroid * scale,
-            unit_inertia: self.unit_inertia * scale.powi(5),
+            unit_inertia: self.unit_inertia * (scale * (square * square)),
         }
     }
 }

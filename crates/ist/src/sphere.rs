@@ -65,6 +65,9 @@ pub(crate) fn volume_radius(v: f32) -> f32 {
     cube_root(f64::from(v) * (0.75 / core::f64::consts::PI)) as f32
 }
 
+/// The square root of [`f64::MIN_POSITIVE`], 2⁻⁵¹¹: nothing smaller has a square.
+pub(crate) const SQUARABLE: f64 = f64::from_bits(512 << 52);
+
 /// Cube root of a non-negative number by Newton's method, with IEEE operations only, so that every
 /// platform rounds alike.
 pub(crate) fn cube_root(x: f64) -> f64 {
@@ -82,6 +85,11 @@ pub(crate) fn cube_root(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_least_number_with_a_square() {
+        assert_eq!(SQUARABLE, f64::MIN_POSITIVE.sqrt());
+    }
 
     #[test]
     fn cube_root_matches_the_standard_library() {

@@ -11,11 +11,12 @@ use super::relative_pose::RelativePose;
 use super::traversal::{BlockVisitor, PairFinder, for_each_block, for_each_pair};
 use super::workspace::{Candidates, OverlapWorkspace};
 use crate::InnerSphereTree;
+use crate::simd_level::simd_level;
 use crate::tree::{TreeData, WIDTH};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::f32::consts::FRAC_1_SQRT_2;
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Simd, dispatch};
 use glam::{Mat3, Vec3};
 
 /// Steps that a list should last, at the speed of the last one.
@@ -76,12 +77,12 @@ impl OverlapCache {
             let margin = margin.max(size(trees.1, pose) * 8.0 * ROUNDING);
             if step.is_none() || trees.1.height() == 0 || margin > WIDEST * block_radius(trees.1, pose) {
                 self.lists.trees = None;
-                return dispatch!(Level::new(), simd => for_each_pair(simd, trees, pose, workspace, sink));
+                return dispatch!(simd_level(), simd => for_each_pair(simd, trees, pose, workspace, sink));
             }
             self.lists.make([a, b], pose, margin, workspace);
         }
         workspace.fit_leaves(trees.1);
-        dispatch!(Level::new(), simd => self.lists.for_each_pair(simd, (trees.1, pose), workspace, sink));
+        dispatch!(simd_level(), simd => self.lists.for_each_pair(simd, (trees.1, pose), workspace, sink));
     }
 }
 
@@ -108,7 +109,7 @@ impl Lists {
         let pair = (trees[0].data(), trees[1].data());
         let mut maker = ListMaker { b: pair.1, pose: &wide, lists: self };
         let scratch = &mut workspace.traversal;
-        dispatch!(Level::new(), simd => for_each_block(simd, pair, &wide, scratch, &mut maker));
+        dispatch!(simd_level(), simd => for_each_block(simd, pair, &wide, scratch, &mut maker));
         self.blocks.push((u32::MAX, self.near.len as u32));
         self.trees = Some(trees.map(InnerSphereTree::shared).map(Arc::clone));
         self.pose = Some(*pose);

@@ -1,7 +1,7 @@
 //! How an overlap turns into a force.
 
 use super::totals::{Totals, WrenchSum};
-use crate::sphere::cube_root;
+use crate::sphere::{SQUARABLE, cube_root};
 
 /// How the force on B follows from the overlap; always for a stiffness of 1 N/m³.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -75,7 +75,7 @@ fn scaled(wrench: &WrenchSum, length: f64) -> WrenchSum {
 
 /// How far the direction is that of a volume gradient of length `gradient` (m²), 0 to 1.
 fn gradient_weight(gradient: f64, volume: f64) -> f64 {
-    let size = cube_root(volume).max(f64::MIN_POSITIVE.sqrt());
+    let size = cube_root(volume).max(SQUARABLE);
     let x = (gradient / (size * size * SIGNIFICANT)).clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
 }

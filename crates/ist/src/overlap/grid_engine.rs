@@ -7,8 +7,9 @@ use super::totals::{Totals, TotalsSink};
 use super::workspace::OverlapWorkspace;
 use crate::InnerSphereTree;
 use crate::lens::Lens;
+use crate::simd_level::simd_level;
 use crate::tree::{BallBlock, TreeData};
-use fearless_simd::{Level, dispatch};
+use fearless_simd::dispatch;
 
 /// Spheres of both solids from which on [`Engine::Auto`] thinks of the grids.
 const MANY_SPHERES: usize = 50_000;
@@ -63,7 +64,7 @@ pub(super) fn totals<const STIFFNESS: bool>(
     let placed = &*placed;
     let run = |task: &Task, scratch: &mut GridScratch| {
         let mut sink = TotalsSink::<STIFFNESS>::new(trees, grids.pose);
-        dispatch!(Level::new(), simd => grids.find_pairs(simd, task, scratch, (placed, &mut sink)));
+        dispatch!(simd_level(), simd => grids.find_pairs(simd, task, scratch, (placed, &mut sink)));
         sink.totals
     };
     sum_of_tasks(grids, run, &mut workspace.grid)
@@ -104,7 +105,7 @@ fn sum_of_tasks(
 /// Puts B's leaves into A's frame.
 fn place_all(leaves: &[BallBlock], pose: &RelativePose, placed: &mut [BallBlock]) {
     let place = |from: &[BallBlock], to: &mut [BallBlock]| {
-        dispatch!(Level::new(), simd => {
+        dispatch!(simd_level(), simd => {
             for (from, to) in from.iter().zip(to) {
                 *to = pose.place(simd, from);
             }

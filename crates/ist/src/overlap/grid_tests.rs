@@ -29,12 +29,12 @@ fn pairs(a: &InnerSphereTree, b: &InnerSphereTree, pose: &Pose3, by: Engine) -> 
     let trees = (a.data(), b.data());
     match by.grids([a, b], &pose) {
         None => {
-            dispatch!(Level::new(), simd => for_each_pair(simd, trees, &pose, &mut workspace, &mut keep));
+            dispatch!(simd_level(), simd => for_each_pair(simd, trees, &pose, &mut workspace, &mut keep));
         }
         Some(grids) => {
             for task in grids.tasks() {
                 let scratch = &mut workspace.grid;
-                dispatch!(Level::new(), simd => grids.find_pairs(simd, &task, scratch, (&[], &mut keep)));
+                dispatch!(simd_level(), simd => grids.find_pairs(simd, &task, scratch, (&[], &mut keep)));
             }
         }
     }

@@ -15,17 +15,19 @@ mod query;
 mod relative_pose;
 mod samples;
 mod stiffness;
+#[cfg(feature = "std")]
 mod time_critical;
 mod totals;
 mod traversal;
 mod workspace;
 
 use crate::InnerSphereTree;
+use crate::simd_level::simd_level;
 use alloc::vec::Vec;
 pub use batch::{OverlapPair, overlap_batch};
 pub use cache::OverlapCache;
 pub use caps::SurfaceDistance;
-use fearless_simd::{Level, dispatch};
+use fearless_simd::dispatch;
 pub use force_law::ForceLaw;
 use glam::Vec3;
 use glamx::Pose3;
@@ -35,6 +37,7 @@ pub use samples::ContactSample;
 use samples::LensSink;
 pub(crate) use samples::direction;
 pub use stiffness::Stiffness;
+#[cfg(feature = "std")]
 pub use time_critical::{Budget, OverlapEstimate, TimeCriticalWorkspace};
 use totals::{Totals, TotalsSink};
 use traversal::for_each_pair;
@@ -148,7 +151,7 @@ impl InnerSphereTree {
         lenses.clear(trees.0, trees.1);
         let leaves_a = (&*trees.0.levels[0].blocks, pose.skin_a);
         let mut sink = LensSink { lenses: &mut lenses, leaves_a };
-        dispatch!(Level::new(), simd => for_each_pair(simd, trees, &pose, workspace, &mut sink));
+        dispatch!(simd_level(), simd => for_each_pair(simd, trees, &pose, workspace, &mut sink));
         lenses.append_samples(trees, &pose, self.unit(), samples);
         workspace.lenses = lenses;
     }
@@ -166,7 +169,7 @@ fn totals<const STIFFNESS: bool>(
         return grid_engine::totals::<STIFFNESS>(trees, grids, workspace);
     }
     let mut sink = TotalsSink::<STIFFNESS>::new(trees, pose);
-    dispatch!(Level::new(), simd => for_each_pair(simd, trees, pose, workspace, &mut sink));
+    dispatch!(simd_level(), simd => for_each_pair(simd, trees, pose, workspace, &mut sink));
     sink.totals
 }
 

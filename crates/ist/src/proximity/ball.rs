@@ -5,9 +5,10 @@ use super::point::{exact_distance, unscaled};
 use super::side::{Bits, Side, nearest_last};
 use super::stack::Stack;
 use crate::InnerSphereTree;
+use crate::simd_level::simd_level;
 use crate::tree::WIDTH;
 use core::ops::ControlFlow;
-use fearless_simd::{Level, Simd, dispatch, prelude::*};
+use fearless_simd::{Simd, dispatch, prelude::*};
 use glam::Vec3;
 
 /// Room for rounding in f32, relative to the coordinates; balls that pass are tested again in f64.
@@ -40,7 +41,7 @@ impl InnerSphereTree {
             }
         };
         let side = Side::fixed(self, balls);
-        dispatch!(Level::new(), simd => visit_near(simd, side, (local, local_radius), &mut meets))
+        dispatch!(simd_level(), simd => visit_near(simd, side, (local, local_radius), &mut meets))
     }
 
     /// Whether a ball of the tree meets the ball of radius `radius` (m) about `center` (m, the tree's frame); touching

@@ -5,9 +5,10 @@ use super::placement::Placement;
 use super::side::{Bits, Side, nearest_last};
 use super::{BallKind, ProximityWorkspace};
 use crate::InnerSphereTree;
+use crate::simd_level::simd_level;
 use crate::tree::WIDTH;
 use alloc::vec::Vec;
-use fearless_simd::{Level, Simd, dispatch, prelude::*};
+use fearless_simd::{Simd, dispatch, prelude::*};
 use glam::Vec3;
 use glamx::Pose3;
 
@@ -27,7 +28,7 @@ impl InnerSphereTree {
         if !meet(roots[0], (roots[1].0, roots[1].1 + placement.rounding)) {
             return false;
         }
-        dispatch!(Level::new(), simd => some_pair_meets(simd, sides, placement.rounding, &mut workspace.stack))
+        dispatch!(simd_level(), simd => some_pair_meets(simd, sides, placement.rounding, &mut workspace.stack))
     }
 }
 

@@ -8,11 +8,12 @@
 
 use super::ProximityWorkspace;
 use super::side::{Bits, Side};
+use crate::simd_level::simd_level;
 use crate::tree::WIDTH;
 use alloc::collections::BinaryHeap;
 use alloc::vec::Vec;
 use core::cmp::Ordering;
-use fearless_simd::{Level, Simd, dispatch, prelude::*};
+use fearless_simd::{Simd, dispatch, prelude::*};
 use glam::Vec3;
 
 /// Pairs on the way down from the roots of the tallest trees to two spheres, at most.
@@ -128,7 +129,7 @@ pub(super) fn nearest_pair(
         gap: limits.cutoff,
         pair: None,
     };
-    let (lower, exhausted) = dispatch!(Level::new(), simd => search.run(simd, limits));
+    let (lower, exhausted) = dispatch!(simd_level(), simd => search.run(simd, limits));
     match search.pair {
         // Out of visits before anything below the cutoff was seen: any pair tells something.
         None if exhausted => Some(Nearest { pair: [0, 0], lower }),

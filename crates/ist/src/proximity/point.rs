@@ -6,8 +6,9 @@ use super::projection::BallPair;
 use super::side::{Bits, Side, nearest_last};
 use super::stack::Stack;
 use crate::InnerSphereTree;
+use crate::simd_level::simd_level;
 use crate::tree::WIDTH;
-use fearless_simd::{Level, Simd, dispatch, prelude::*};
+use fearless_simd::{Simd, dispatch, prelude::*};
 use glam::{DVec3, Vec3};
 
 /// The ball nearest to a point, in the tree's frame.
@@ -56,7 +57,7 @@ impl InnerSphereTree {
 
     fn nearest_position(&self, point: Vec3, balls: BallKind) -> Option<usize> {
         let center = unscaled(self, point)?;
-        Some(dispatch!(Level::new(), simd => nearest(simd, Side::fixed(self, balls), center)))
+        Some(dispatch!(simd_level(), simd => nearest(simd, Side::fixed(self, balls), center)))
     }
 }
 

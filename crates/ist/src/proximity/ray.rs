@@ -6,8 +6,9 @@ use super::point::unscaled;
 use super::side::{Bits, Side, nearest_last};
 use super::stack::Stack;
 use crate::InnerSphereTree;
+use crate::simd_level::simd_level;
 use crate::tree::WIDTH;
-use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
+use fearless_simd::{Simd, dispatch, f32x8, prelude::*};
 use glam::{DVec2, DVec3, Vec3};
 
 /// Room for rounding in f32, relative to the coordinates; balls that pass are tested again in f64.
@@ -70,7 +71,7 @@ impl InnerSphereTree {
             to_local: 1.0 / self.unit(),
         };
         let hit = |i: usize| exact.hit(exact_ball(self, balls, i));
-        let (way, sphere) = dispatch!(Level::new(), simd => search.first(simd, exact.max_way, &hit))?;
+        let (way, sphere) = dispatch!(simd_level(), simd => search.first(simd, exact.max_way, &hit))?;
         let point = exact.origin + way * exact.direction;
         let (center, radius) = exact_ball(self, balls, sphere);
         let outward = (point - center).try_normalize().unwrap_or(-exact.direction);

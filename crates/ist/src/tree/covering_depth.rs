@@ -7,9 +7,10 @@
 //! intersection of spheres is ever computed, so nothing can be ill-conditioned.
 
 use super::{Balls, WIDTH};
+use crate::simd_level::simd_level;
 use alloc::vec;
 use alloc::vec::Vec;
-use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
+use fearless_simd::{Simd, dispatch, f32x8, prelude::*};
 use glam::{DVec3, Vec3};
 
 /// Radii grow by this share before they are counted, so that the depth also holds for balls that rounding has
@@ -54,7 +55,7 @@ impl Ball {
 ///
 /// Time is linear in the leaves times their neighbours, of which no more than fixed numbers are looked at.
 pub(super) fn covering_depths(levels: &[Balls], skin: f32) -> Vec<u32> {
-    dispatch!(Level::new(), simd => block_depths(simd, levels, skin))
+    dispatch!(simd_level(), simd => block_depths(simd, levels, skin))
 }
 
 #[inline(always)]

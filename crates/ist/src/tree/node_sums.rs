@@ -154,7 +154,7 @@ mod tests {
             for level in 1..data.levels.len() {
                 let span = WIDTH.pow(level as u32);
                 for node in 0..data.levels[level].len() {
-                    let sum = data.sums.get(level, node, || unreachable!());
+                    let sum = data.sums().get(level, node, || unreachable!());
                     let below = node * span..((node + 1) * span).min(tree.len());
                     let volume: f64 = below
                         .map(|leaf| {
@@ -173,8 +173,8 @@ mod tests {
         ) {
             let tree = InnerSphereTree::new(&packing);
             let data = tree.data();
-            let skin = share * data.sums.skins[1];
-            let DepthAt::Skin(_) = data.sums.depth_at(skin) else { panic!("a skin that is known") };
+            let skin = share * data.sums().skins[1];
+            let DepthAt::Skin(_) = data.sums().depth_at(skin) else { panic!("a skin that is known") };
             for leaf in 0..tree.len() {
                 let (center, radius) = data.levels[0].get(leaf);
                 for place in &places {
@@ -185,8 +185,8 @@ mod tests {
                     });
                     let covering = over.count() as f32;
                     for level in 0..data.levels.len() {
-                        let node = data.sums.get(level, leaf / WIDTH.pow(level as u32), || (radius, glam::Vec3::X));
-                        prop_assert!(covering <= data.sums.depth(&node, data.sums.depth_at(skin)));
+                        let node = data.sums().get(level, leaf / WIDTH.pow(level as u32), || (radius, glam::Vec3::X));
+                        prop_assert!(covering <= data.sums().depth(&node, data.sums().depth_at(skin)));
                     }
                 }
             }

@@ -8,8 +8,7 @@ pub enum Budget {
     /// nanoseconds. The same input gives the same result on every machine.
     Visits(u32),
     /// So much wall time, of the call as a whole. The clock is read before each step of about a microsecond, and a
-    /// step that would probably end too late is not begun. Needs feature `std` and a platform with a clock.
-    #[cfg(feature = "std")]
+    /// step that would probably end too late is not begun. Needs a platform with a clock.
     Time(core::time::Duration),
 }
 
@@ -18,19 +17,13 @@ pub enum Budget {
 pub(super) struct Meter {
     budget: Budget,
     visits: u32,
-    #[cfg(feature = "std")]
     clock: Clock,
 }
 
 impl Meter {
     /// Starts the clock, if the budget has one.
     pub(super) fn new(budget: Budget) -> Self {
-        Self {
-            budget,
-            visits: 0,
-            #[cfg(feature = "std")]
-            clock: Clock::new(budget),
-        }
+        Self { budget, visits: 0, clock: Clock::new(budget) }
     }
 
     /// Visits made.
@@ -43,7 +36,6 @@ impl Meter {
     pub(super) fn spend(&mut self, count: u32) -> bool {
         let fits = match self.budget {
             Budget::Visits(most) => count <= most - self.visits,
-            #[cfg(feature = "std")]
             Budget::Time(most) => self.clock.has_time_for(count, self.visits, most),
         };
         if fits {
@@ -54,7 +46,6 @@ impl Meter {
 }
 
 /// The time that a query has taken.
-#[cfg(feature = "std")]
 #[derive(Debug)]
 struct Clock {
     start: Option<std::time::Instant>,
@@ -64,7 +55,6 @@ struct Clock {
     visits: u32,
 }
 
-#[cfg(feature = "std")]
 impl Clock {
     /// Reads the clock only where time is limited: there are platforms without one.
     fn new(budget: Budget) -> Self {
@@ -87,7 +77,6 @@ impl Clock {
 }
 
 /// As many as a number of 64 bits holds: 584 years.
-#[cfg(feature = "std")]
 fn nanoseconds(duration: core::time::Duration) -> u64 {
     u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)
 }

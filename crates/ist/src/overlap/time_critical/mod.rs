@@ -18,9 +18,10 @@ mod workspace;
 use super::relative_pose::RelativePose;
 use super::{Overlap, OverlapQuery};
 use crate::InnerSphereTree;
+use crate::simd_level::simd_level;
 pub use budget::Budget;
 use budget::Meter;
-use fearless_simd::{Level, dispatch};
+use fearless_simd::dispatch;
 use glamx::Pose3;
 use query::Query;
 use search::search;
@@ -47,6 +48,17 @@ pub struct OverlapEstimate {
 }
 
 impl InnerSphereTree {
+    /// Computes now what [`Self::overlap_within`] needs to know about the nodes of this tree: sums over the spheres below
+    /// them, and how often volume balls cover a point. Otherwise the first such query does it, whatever its budget, or
+    /// waits for another thread that is at it.
+    ///
+    /// Clones and scaled copies, earlier ones too, share the result. Time is linear in the spheres for packings, memory is 5
+    /// bytes per sphere. A rabbit of 1,000 spheres takes 3 ms and one of 10,000 takes 32 ms; their trees are built in 2 and
+    /// 30 ms.
+    pub fn prepare_overlap_within(&self) {
+        self.data().sums();
+    }
+
     /// Overlap of this solid (A) with `other` (B), whose frame stands at `pose` in A's frame, as far as `budget` goes,
     /// with the force of [`ForceLaw::Blended`](crate::ForceLaw::Blended).
     ///
@@ -56,6 +68,9 @@ impl InnerSphereTree {
     /// The bounds hold for any packing. They are narrowest without skins, or with skins of at most three quarters of the
     /// median volume radius, and where the smallest radius of B is more than 4e-4 of the largest coordinate; beyond
     /// that less is known about how often balls of one tree cover a point, and only more visits help.
+    ///
+    /// The first query with a tree prepares it, which takes longer than most budgets: see
+    /// [`Self::prepare_overlap_within`].
     #[must_use]
     pub fn overlap_within(
         &self,
@@ -69,7 +84,7 @@ impl InnerSphereTree {
             return OverlapEstimate { complete: true, ..OverlapEstimate::default() };
         };
         let query = Query::new((self.data(), other.data()), &pose);
-        let found = dispatch!(Level::new(), simd => search(simd, &query, &mut meter, workspace));
+        let found = dispatch!(simd_level(), simd => search(simd, &query, &mut meter, workspace));
         let scale = f64::from(self.unit());
         let scale3 = scale * scale * scale;
         let mut expected = Overlap::new(&found.totals, OverlapQuery::default(), [self, other]);

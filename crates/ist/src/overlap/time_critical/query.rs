@@ -1,7 +1,7 @@
 //! What does not change during one time-critical query.
 
 use super::super::relative_pose::RelativePose;
-use crate::tree::{DEPTH_TOLERANCE, DepthAt, NodeSum, TreeData};
+use crate::tree::{DEPTH_TOLERANCE, DepthAt, NodeSum, NodeSums, TreeData};
 use glam::Vec3;
 
 /// What rounding does to the distance of two balls, and to the heights of the caps of their lens, relative to the
@@ -21,6 +21,7 @@ pub(super) struct Query<'a> {
 /// One of the trees.
 pub(super) struct Side<'a> {
     pub(super) tree: &'a TreeData,
+    sums: &'a NodeSums,
     scale: f32,
     pub(super) skin: f32,
     depth: DepthAt,
@@ -32,19 +33,26 @@ impl<'a> Query<'a> {
             let (center, radius) = tree.root().get(0);
             center.length() + radius
         };
+        let (sums_a, sums_b) = (a.sums(), b.sums());
         let skins = pose.skin_a + pose.skin_b;
         let largest = reach(a) + reach(b) * pose.scale + pose.translation.length() + skins;
         let rounding = ROUNDING * largest;
         // Depths hold for balls that are moved by less than their tolerance.
-        let least = b.sums.least_radius() * pose.scale + pose.skin_b;
+        let least = sums_b.least_radius() * pose.scale + pose.skin_b;
         let depth_b = if rounding < DEPTH_TOLERANCE * least {
-            b.sums.depth_at(pose.skin_b / pose.scale)
+            sums_b.depth_at(pose.skin_b / pose.scale)
         } else {
             DepthAt::Unknown
         };
         Self {
-            a: Side { tree: a, scale: 1.0, skin: pose.skin_a, depth: a.sums.depth_at(pose.skin_a) },
-            b: Side { tree: b, scale: pose.scale, skin: pose.skin_b, depth: depth_b },
+            a: Side {
+                tree: a,
+                sums: sums_a,
+                scale: 1.0,
+                skin: pose.skin_a,
+                depth: sums_a.depth_at(pose.skin_a),
+            },
+            b: Side { tree: b, sums: sums_b, scale: pose.scale, skin: pose.skin_b, depth: depth_b },
             pose,
             rounding,
         }
@@ -72,10 +80,10 @@ impl Side<'_> {
     #[inline(always)]
     pub(super) fn figures(&self, level: usize, index: usize) -> NodeFigures {
         let leaf = || (self.tree.levels[0].get(index).1, self.tree.normals[index]);
-        let node: NodeSum = self.tree.sums.get(level, index, leaf);
+        let node: NodeSum = self.sums.get(level, index, leaf);
         NodeFigures {
             volume: node.volume(self.scale, self.skin),
-            depth: self.tree.sums.depth(&node, self.depth),
+            depth: self.sums.depth(&node, self.depth),
             normal: node.normal,
         }
     }

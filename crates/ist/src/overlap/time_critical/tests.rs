@@ -225,7 +225,6 @@ fn useless_poses_give_no_overlap() {
     }
 }
 
-#[cfg(feature = "std")]
 #[test]
 fn any_time_will_do() {
     let solid = lattice(12, 0.1, Vec3::ZERO);
@@ -240,4 +239,26 @@ fn any_time_will_do() {
     }
     let endless = Budget::Time(core::time::Duration::MAX);
     assert!(solid.overlap_within(&solid, &pose, endless, &mut workspace).complete);
+}
+
+#[test]
+fn preparing_once_prepares_every_copy() {
+    let solid = lattice(4, 0.1, Vec3::ZERO);
+    let copy = solid.scaled(2.0).unwrap().with_skin(0.01).unwrap();
+    assert!(!solid.data().has_sums());
+    copy.prepare_overlap_within();
+    assert!(solid.data().has_sums());
+    // A tree of its own is prepared by its first query.
+    let (fresh, pose) = (lattice(4, 0.1, Vec3::ZERO), Pose3::translation(0.1, 0.2, 0.0));
+    let mut workspace = TimeCriticalWorkspace::default();
+    let unprepared = fresh.overlap_within(&fresh, &pose, Budget::Visits(20), &mut workspace);
+    assert_eq!(unprepared, solid.overlap_within(&solid, &pose, Budget::Visits(20), &mut workspace));
+    assert!(fresh.data().has_sums());
+}
+
+#[test]
+fn the_full_query_prepares_nothing() {
+    let solid = lattice(4, 0.1, Vec3::ZERO);
+    let overlap = solid.overlap(&solid, &Pose3::IDENTITY, &mut OverlapWorkspace::default());
+    assert!(overlap.volume > 0.0 && !solid.data().has_sums());
 }
