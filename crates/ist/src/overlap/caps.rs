@@ -122,8 +122,8 @@ impl InnerSphereTree {
 
     /// Whether B cuts the certified ball of a sphere too. Mostly the distance of the volume ball's centre tells.
     fn inner_ball_meets(&self, surface: &mut impl FnMut(Vec3) -> SurfaceDistance, ball: &CutBall) -> bool {
-        let center = self.data().inner_center[ball.index] * self.scale();
-        let radius = self.data().inner_radius[ball.index] * self.scale();
+        let center = self.data().inner_center[ball.index] * self.unit();
+        let radius = self.data().inner_radius[ball.index] * self.unit();
         let (shift, distance) = (center.distance(ball.center), ball.surface.distance);
         let is_clear = distance + shift < radius || distance - shift >= radius;
         if is_clear { distance < radius } else { surface(center).distance < radius }
@@ -143,7 +143,7 @@ impl InnerSphereTree {
             count -= 1;
             let (level, node, parent, parent_distance) = pending[count];
             let (center, radius) = data.levels[level].get(node);
-            let (center, radius) = (center * self.scale(), radius * self.scale() + self.skin());
+            let (center, radius) = (center * self.unit(), radius * self.unit() + self.skin());
             // Distances change by no more than the way: most nodes need not be asked about.
             if parent_distance - center.distance(parent) >= radius {
                 continue;

@@ -31,6 +31,14 @@ const SIGNIFICANT: f64 = 0.2;
 const OPPOSED: f64 = 1e-6;
 
 impl ForceLaw {
+    /// By how much its forces grow where all lengths grow by `scale`: as areas or as volumes.
+    pub(super) fn growth(self, scale: f64) -> f64 {
+        match self {
+            Self::VolumeGradient => scale * scale,
+            Self::OutwardNormals | Self::Blended => scale * scale * scale,
+        }
+    }
+
     pub(super) fn wrench(self, totals: &Totals) -> WrenchSum {
         match self {
             Self::VolumeGradient => totals.gradient,

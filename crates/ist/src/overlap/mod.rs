@@ -82,8 +82,10 @@ impl InnerSphereTree {
     /// Overlap of this solid (A) with `other` (B), whose frame stands at `pose` in A's frame, with the force of
     /// [`ForceLaw::Blended`].
     ///
-    /// Expected time is linear in the overlapping spheres. Returns [`Overlap::default`] where nothing overlaps and
-    /// where the pose is not finite or its quaternion far from unit length.
+    /// Expected time is linear in the overlapping spheres. Returns [`Overlap::default`] where nothing overlaps,
+    /// where the pose is not finite or its quaternion not between 0.5 and 2 long (in between it is normalised), and where
+    /// f32 ends: where B reaches about 1e16 times as far from its origin as A from its own, or 1e-12 times as far, or where
+    /// skins are about 1e8 times as thick as that. Every field is finite unless it is too large for f32.
     #[must_use]
     pub fn overlap(&self, other: &Self, pose: &Pose3, workspace: &mut OverlapWorkspace) -> Overlap {
         self.overlap_with(other, pose, OverlapQuery::default(), workspace)
@@ -149,7 +151,7 @@ impl InnerSphereTree {
         let leaves_a = (&*trees.0.levels[0].blocks, pose.skin_a);
         let mut sink = LensSink { lenses: &mut lenses, leaves_a };
         dispatch!(simd_level(), simd => for_each_pair(simd, trees, &pose, workspace, &mut sink));
-        lenses.append_samples(trees, &pose, self.scale(), samples);
+        lenses.append_samples(trees, &pose, self.unit(), samples);
         workspace.lenses = lenses;
     }
 }
@@ -173,7 +175,7 @@ fn totals<const STIFFNESS: bool>(
 impl Overlap {
     /// From sums in the unscaled frame of `a`.
     fn new(totals: &Totals, query: OverlapQuery, [a, b]: [&InnerSphereTree; 2]) -> Self {
-        let scale = f64::from(a.scale());
+        let scale = f64::from(a.unit());
         let all = Self::from_totals(totals, query.law, scale);
         if totals.volume <= 0.0 {
             return all;
@@ -186,7 +188,7 @@ impl Overlap {
                 .then(|| totals.stiffness.about(centroid, totals.gradient.force, scale)),
             deepest: Some(DeepestPair {
                 spheres: [a.packing_index(in_a as usize), b.packing_index(in_b as usize)],
-                depth: totals.deepest.depth * a.scale(),
+                depth: totals.deepest.depth * a.unit(),
             }),
             ..all
         }
@@ -200,14 +202,14 @@ impl Overlap {
         let (scale2, scale3) = (scale * scale, scale * scale * scale);
         let centroid = totals.moment / totals.volume;
         let about_centroid = |wrench: &totals::WrenchSum| wrench.torque - centroid.cross(wrench.force);
-        let wrench = law.wrench(totals);
+        let (wrench, growth) = (law.wrench(totals), law.growth(scale));
         Self {
             volume: (totals.volume * scale3) as f32,
             centroid: (centroid * scale).as_vec3(),
             gradient: (totals.gradient.force * -scale2).as_vec3(),
             rotation_gradient: (about_centroid(&totals.gradient) * -scale3).as_vec3(),
-            force: (wrench.force * scale3).as_vec3(),
-            torque: (about_centroid(&wrench) * (scale3 * scale)).as_vec3(),
+            force: (wrench.force * growth).as_vec3(),
+            torque: (about_centroid(&wrench) * (growth * scale)).as_vec3(),
             stiffness: None,
             deepest: None,
             pairs: totals.pairs,

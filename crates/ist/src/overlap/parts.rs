@@ -54,8 +54,7 @@ pub(crate) fn with_lenses(
     let leaves_a = (&*trees.0.levels[0].blocks, pose.skin_a);
     let mut sink = LensSink { lenses: &mut lenses, leaves_a };
     dispatch!(simd_level(), simd => for_each_pair(simd, trees, &pose, workspace, &mut sink));
-    let cloud =
-        LensCloud { lenses: &lenses.lenses, trees: [trees.0, trees.1], pose: &pose, scale: a.scale() };
+    let cloud = LensCloud { lenses: &lenses.lenses, trees: [trees.0, trees.1], pose: &pose, scale: a.unit() };
     act(cloud, &mut scratch);
     workspace.lenses = lenses;
     workspace.patches = scratch;

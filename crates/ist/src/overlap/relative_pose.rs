@@ -23,17 +23,31 @@ pub(super) struct RelativePose {
     pub(super) skin_b: f32,
 }
 
+/// Units of B relative to A's, at least and at most: the padding of B, 1e30 of them from its origin, must not come near A, and
+/// squares of its lengths must have room in f32.
+const SMALLEST: f32 = 1e-12;
+const LARGEST: f32 = 1e16;
+/// Longest translations in A's unscaled frame; such solids are apart.
+const FARTHEST: f32 = 1e17;
+/// Thickest skins in A's unscaled frame: fourth powers of the radii still have room in f32.
+const THICKEST: f32 = 5e8;
+
 impl RelativePose {
-    /// From the pose of `b`'s frame in `a`'s frame; `None` where it is not finite or has no rotation.
+    /// From the pose of `b`'s frame in `a`'s frame; `None` where it is not finite or has no rotation, and where sizes differ
+    /// by more than f32 bears.
     pub(super) fn new(a: &InnerSphereTree, b: &InnerSphereTree, pose: &Pose3) -> Option<Self> {
         let length = pose.rotation.length();
         if !(pose.is_finite() && length > 0.5 && length < 2.0) {
             return None;
         }
         let rotation = Mat3::from_quat(pose.rotation.normalize());
-        let scale = b.scale() / a.scale();
-        let translation = pose.translation / a.scale();
-        let (skin_a, skin_b) = (a.skin() / a.scale(), b.skin() / a.scale());
+        let scale = b.unit() / a.unit();
+        let translation = pose.translation / a.unit();
+        let (skin_a, skin_b) = (a.skin() / a.unit(), b.skin() / a.unit());
+        let resolved = scale > SMALLEST && scale < LARGEST && skin_a < THICKEST && skin_b < THICKEST;
+        if !(resolved && translation.abs().max_element() < FARTHEST) {
+            return None;
+        }
         Some(Self { rotation, linear: rotation * scale, translation, scale, skin_a, skin_b })
     }
 

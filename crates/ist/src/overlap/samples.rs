@@ -90,12 +90,13 @@ impl Lenses {
             let area = (sum_a.area + sum_b.area).max(f32::MIN_POSITIVE);
             let weight = smooth_step(gradient.length() / (area * SIGNIFICANT));
             let outward = a.normals[in_a] - pose.rotation * b.normals[in_b];
-            let blend = weight * gradient.normalize_or_zero() + (1.0 - weight) * outward.normalize_or_zero();
+            let blend = weight * direction(gradient).unwrap_or(Vec3::ZERO)
+                + (1.0 - weight) * outward.normalize_or_zero();
             ContactSample {
                 point: lens.centroid * scale,
-                normal: blend.try_normalize().or(lens.axis.try_normalize()).unwrap_or(Vec3::Y),
+                normal: direction(blend).or(direction(lens.axis)).unwrap_or(Vec3::Y),
                 volume: lens.volume * scale * scale * scale,
-                separation: lens.axis * (lens.area * scale * scale),
+                separation: lens.axis * lens.area * scale * scale,
             }
         }));
     }
@@ -130,6 +131,11 @@ impl PairSink for LensSink<'_> {
             }
         }
     }
+}
+
+/// The unit vector along `v`, however short: axes of nearly concentric balls have squares that f32 does not hold.
+fn direction(v: Vec3) -> Option<Vec3> {
+    (v / v.abs().max_element()).try_normalize()
 }
 
 fn smooth_step(x: f32) -> f32 {

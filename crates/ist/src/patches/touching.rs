@@ -44,7 +44,7 @@ impl TouchingSpheres {
     /// Groups the spheres at the positions `spheres` of `tree`'s order, which may name a sphere more than once.
     pub(super) fn connect(&mut self, tree: &InnerSphereTree, spheres: impl Iterator<Item = u32>) {
         let data = tree.data();
-        let tree = Skinned { data, skin: tree.skin() / tree.scale() };
+        let tree = Skinned { data, skin: tree.skin() / tree.unit() };
         self.mark(data, spheres);
         for level in 1..=data.height() {
             for node in 0..self.children[level - 1].len() {

@@ -32,7 +32,7 @@ impl InnerSphereTree {
             return ControlFlow::Continue(());
         };
         // As far as anything can be: an infinite radius meets all.
-        let local_radius = (radius / self.scale()).min(4e18);
+        let local_radius = (radius / self.unit()).min(4e18);
         let mut meets = |i: usize| {
             if exact_distance(self, balls, i, center.as_dvec3()) <= f64::from(radius) {
                 visit(self.packing_index(i))

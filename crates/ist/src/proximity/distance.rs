@@ -102,9 +102,9 @@ impl InnerSphereTree {
         let placement = Placement::new(self, other, pose)?;
         let kind = options.balls;
         let limits = Limits {
-            cutoff: f32::INFINITY.min(options.max_distance) / self.scale(),
+            cutoff: f32::INFINITY.min(options.max_distance) / self.unit(),
             enough: 0.0,
-            tolerance: options.tolerance.max(0.0) / self.scale(),
+            tolerance: options.tolerance.max(0.0) / self.unit(),
             visits: options.max_visits,
         };
         let sides = [Side::fixed(self, kind), Side::placed(other, kind, self, &placement)];
@@ -116,7 +116,7 @@ impl InnerSphereTree {
         let distance = pair.gap.max(0.0) as f32;
         Some(Separation {
             distance,
-            lower_bound: ((found.lower - placement.rounding) * self.scale()).clamp(0.0, distance),
+            lower_bound: ((found.lower - placement.rounding) * self.unit()).clamp(0.0, distance),
             point_a,
             point_b,
             normal: pair.normal.as_vec3(),

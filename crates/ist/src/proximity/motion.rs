@@ -102,7 +102,7 @@ impl<'a> Snapshot<'a> {
             exact_ball(self.tree, self.kind, node)
         } else {
             let (center, radius) = self.tree.data().levels[level].get(node);
-            let scale = f64::from(self.tree.scale());
+            let scale = f64::from(self.tree.unit());
             let skin = if self.kind == BallKind::Volume { f64::from(self.tree.skin()) } else { 0.0 };
             (center.as_dvec3() * scale, f64::from(radius) * scale + skin)
         };

@@ -88,7 +88,7 @@ impl InnerSphereTree {
     ) -> Option<Penetration> {
         let placement = Placement::new(self, other, pose)?;
         let pose = &Pose3::from_parts(pose.translation, pose.rotation.normalize());
-        let rounding = f64::from(placement.rounding) * f64::from(self.scale());
+        let rounding = f64::from(placement.rounding) * f64::from(self.unit());
         let mut query = Query { a: self, b: other, pose, placement, margin: 5.0 * rounding, workspace };
         let deepest = query.deepest(DVec3::ZERO)?;
         if deepest.is_free {
@@ -159,7 +159,7 @@ impl Query<'_> {
             Limits { cutoff: f32::INFINITY, enough: f32::NEG_INFINITY, tolerance: 0.0, visits: usize::MAX };
         let found = nearest_pair(sides, limits, self.workspace)?;
         let is_free = found.lower >= placement.rounding;
-        Some(Deepest { pair: found.pair, gap: f64::from(found.lower) * f64::from(self.a.scale()), is_free })
+        Some(Deepest { pair: found.pair, gap: f64::from(found.lower) * f64::from(self.a.unit()), is_free })
     }
 
     /// The translation to which the gradient of the volume leads.

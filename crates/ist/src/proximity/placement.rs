@@ -54,12 +54,12 @@ impl Placement {
         let unit = unit_rotation(pose.rotation).filter(|_| pose.is_finite())?;
         // The same f32 operations as in the overlap, so that both see the same pairs meet.
         let rotation = Mat3::from_quat(pose.rotation.normalize());
-        let scale = b.scale() / a.scale();
+        let scale = b.unit() / a.unit();
         let exact_translation = pose.translation.as_dvec3() + shift;
-        let translation = exact_translation.as_vec3() / a.scale();
+        let translation = exact_translation.as_vec3() / a.unit();
         let reach = |tree: &InnerSphereTree| {
             let (center, radius) = tree.bounding_ball();
-            (center.abs().max_element() + radius) / a.scale()
+            (center.abs().max_element() + radius) / a.unit()
         };
         let largest = reach(a) + reach(b) + translation.abs().max_element();
         let usable = largest < LARGEST && scale > 0.0 && scale.is_finite();
@@ -102,7 +102,7 @@ pub(super) fn exact_ball(tree: &InnerSphereTree, kind: BallKind, i: usize) -> (D
         BallKind::Inner => ((data.inner_center[i], data.inner_radius[i]), 0.0),
         BallKind::Volume => (data.levels[0].get(i), tree.skin()),
     };
-    let scale = f64::from(tree.scale());
+    let scale = f64::from(tree.unit());
     (center.as_dvec3() * scale, f64::from(radius) * scale + f64::from(skin))
 }
 

@@ -63,7 +63,7 @@ impl InnerSphereTree {
 
 /// `point` in the unscaled frame of `tree`; `None` where it is not finite or too far away to be squared.
 pub(super) fn unscaled(tree: &InnerSphereTree, point: Vec3) -> Option<Vec3> {
-    let point = point / tree.scale();
+    let point = point / tree.unit();
     // False for NaN as well.
     (point.abs().max_element() < 1e18 && !point.is_nan()).then_some(point)
 }

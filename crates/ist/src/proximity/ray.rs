@@ -68,7 +68,7 @@ impl InnerSphereTree {
             side: Side::fixed(self, balls),
             origin,
             direction: exact.direction.as_vec3(),
-            to_local: 1.0 / self.scale(),
+            to_local: 1.0 / self.unit(),
         };
         let hit = |i: usize| exact.hit(exact_ball(self, balls, i));
         let (way, sphere) = dispatch!(simd_level(), simd => search.first(simd, exact.max_way, &hit))?;

@@ -30,7 +30,7 @@ pub(super) struct BlockLanes<S: Simd> {
 impl<'a> Side<'a> {
     /// The tree in whose unscaled frame the query runs.
     pub(super) fn fixed(tree: &'a InnerSphereTree, kind: BallKind) -> Self {
-        Self { data: tree.data(), kind, skin: skin(tree, kind) / tree.scale(), placement: None }
+        Self { data: tree.data(), kind, skin: skin(tree, kind) / tree.unit(), placement: None }
     }
 
     /// A tree that stands at `placement` in the frame of `frame`.
@@ -40,7 +40,7 @@ impl<'a> Side<'a> {
         frame: &InnerSphereTree,
         placement: &'a Placement,
     ) -> Self {
-        Self { data: tree.data(), kind, skin: skin(tree, kind) / frame.scale(), placement: Some(placement) }
+        Self { data: tree.data(), kind, skin: skin(tree, kind) / frame.unit(), placement: Some(placement) }
     }
 
     /// Number of balls on `level`.

@@ -37,7 +37,7 @@ pub fn distance(a: &InnerSphereTree, b: &InnerSphereTree, pose: &Pose3, kind: Ba
 }
 
 fn ball(tree: &InnerSphereTree, kind: BallKind, i: usize) -> (DVec3, f64) {
-    let (data, scale) = (tree.data(), f64::from(tree.scale()));
+    let (data, scale) = (tree.data(), f64::from(tree.unit()));
     let ((center, radius), skin) = match kind {
         BallKind::Inner => ((data.inner_center[i], data.inner_radius[i]), 0.0),
         BallKind::Volume => (data.levels[0].get(i), f64::from(tree.skin())),

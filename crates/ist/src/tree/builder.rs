@@ -32,10 +32,9 @@ const DIRECTIONS: [Vec3; 13] = [
     Vec3::new(-1.0, 1.0, 1.0),
 ];
 
-/// Positions in `spheres` in the order of the tree's leaves.
-pub(super) fn clustered_order(spheres: &[InnerSphere]) -> Vec<u32> {
-    let balls: Vec<(Vec3, f32)> = spheres.iter().map(InnerSphere::volume_ball).collect();
-    let mut order: Vec<u32> = (0..spheres.len() as u32).collect();
+/// Positions in `balls` in the order of the tree's leaves.
+pub(super) fn clustered_order(balls: &[(Vec3, f32)]) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..balls.len() as u32).collect();
     // Explicit stack: recursion depth would depend on the user's data.
     let mut pending = vec![(0, order.len())];
     while let Some((start, end)) = pending.pop() {
@@ -46,14 +45,14 @@ pub(super) fn clustered_order(spheres: &[InnerSphere]) -> Vec<u32> {
         let part = &mut order[start..end];
         let (mut least, mut best) = (f32::INFINITY, DIRECTIONS[0]);
         for direction in DIRECTIONS {
-            split(part, left, &balls, direction);
+            split(part, left, balls, direction);
             let (lower, upper) = part.split_at(left);
-            let cost = weighted_size(lower, &balls) + weighted_size(upper, &balls);
+            let cost = weighted_size(lower, balls) + weighted_size(upper, balls);
             if cost < least {
                 (least, best) = (cost, direction);
             }
         }
-        split(part, left, &balls, best);
+        split(part, left, balls, best);
         pending.push((start, start + left));
         pending.push((start + left, end));
     }
@@ -87,9 +86,23 @@ fn left_part(count: usize) -> usize {
     (subtrees / 2) * subtree
 }
 
-/// All levels over `spheres`, from the volume balls up to the single ball around everything.
-pub(super) fn wrapped_levels<'a>(spheres: impl Iterator<Item = &'a InnerSphere>) -> Vec<Balls> {
-    let leaves = Balls::new(spheres.map(InnerSphere::volume_ball));
+/// The power of two (m) next below the distance to which `spheres` reach from the origin: the unit in which their lengths
+/// are stored.
+///
+/// Lenses take fourth powers of lengths in f32. In metres, centroids of bodies of 1e-10 m were off by 0.1 % of the body, of
+/// bodies of 1e-12 m by a third, and from 1e10 m on they were NaN. By powers of two no number loses a digit.
+pub(super) fn unit(spheres: &[InnerSphere]) -> f32 {
+    let size = spheres.iter().map(InnerSphere::volume_ball).fold(0.0, |size, (center, radius)| {
+        f64::max(size, f64::from(center.abs().max_element()) + f64::from(radius))
+    });
+    // The biased exponent of an f64 gives ⌊log₂⌋; a power of two of f32 has its own in the same place.
+    let exponent = ((size.to_bits() >> 52) as i32 - 1023).clamp(-126, 127);
+    f32::from_bits(((exponent + 127) as u32) << 23)
+}
+
+/// All levels over the volume balls `leaves`, up to the single ball around everything.
+pub(super) fn wrapped_levels(leaves: impl Iterator<Item = (Vec3, f32)>) -> Vec<Balls> {
+    let leaves = Balls::new(leaves);
     let count = leaves.len();
     let mut levels = vec![leaves];
     let mut span = 1;

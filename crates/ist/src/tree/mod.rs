@@ -13,7 +13,7 @@ mod levels;
 #[cfg(feature = "std")]
 mod node_sums;
 
-use crate::{SolidProperties, SphereGrid, SpherePacking};
+use crate::{InnerSphere, SolidProperties, SphereGrid, SpherePacking};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 #[cfg(feature = "std")]
@@ -39,9 +39,11 @@ pub struct InnerSphereTree {
     grid: Option<SphereGrid>,
 }
 
-/// What all clones and scaled copies of a tree share; lengths are those of the packing.
+/// What all clones and scaled copies of a tree share; lengths are those of the packing, in units of [`Self::unit`].
 #[derive(Debug)]
 pub(crate) struct TreeData {
+    /// Unit of length (m), see [`builder::unit`].
+    unit: f32,
     /// Level 0: the volume balls. Each further level wraps blocks of eight; the last is one ball.
     pub(crate) levels: Vec<Balls>,
     /// Centres of the certified inner balls, in the order of level 0.
@@ -63,16 +65,23 @@ impl InnerSphereTree {
     #[must_use]
     pub fn new(packing: &SpherePacking) -> Self {
         let spheres = packing.spheres();
-        let order = builder::clustered_order(spheres);
+        let unit = builder::unit(spheres);
+        let volume_ball = |sphere: &InnerSphere| {
+            let (center, radius) = sphere.volume_ball();
+            (center / unit, radius / unit)
+        };
+        let balls: Vec<(Vec3, f32)> = spheres.iter().map(volume_ball).collect();
+        let order = builder::clustered_order(&balls);
         let sorted = || order.iter().map(|&i| &spheres[i as usize]);
-        let levels = builder::wrapped_levels(sorted());
+        let levels = builder::wrapped_levels(order.iter().map(|&i| balls[i as usize]));
         let normals: Vec<Vec3> = sorted().map(|s| s.normal).collect();
         let data = TreeData {
+            unit,
             #[cfg(feature = "std")]
             sums: std::sync::OnceLock::new(),
             levels,
-            inner_center: sorted().map(|s| s.center).collect(),
-            inner_radius: sorted().map(|s| s.radius).collect(),
+            inner_center: sorted().map(|s| s.center / unit).collect(),
+            inner_radius: sorted().map(|s| s.radius / unit).collect(),
             normals,
             solid: *packing.solid(),
             packing_index: order,
@@ -146,14 +155,14 @@ impl InnerSphereTree {
     #[must_use]
     pub fn bounding_ball(&self) -> (Vec3, f32) {
         let (center, radius) = self.data.root().get(0);
-        (center * self.scale, radius * self.scale + self.skin)
+        (center * self.unit(), radius * self.unit() + self.skin)
     }
 
     /// Centres (m) and volume radii (m), skin included, of all spheres, in the tree's own order.
     pub fn volume_balls(&self) -> impl ExactSizeIterator<Item = (Vec3, f32)> + '_ {
         (0..self.len()).map(|i| {
             let (center, radius) = self.data.levels[0].get(i);
-            (center * self.scale, radius * self.scale + self.skin)
+            (center * self.unit(), radius * self.unit() + self.skin)
         })
     }
 
@@ -161,7 +170,7 @@ impl InnerSphereTree {
     pub fn inner_balls(&self) -> impl ExactSizeIterator<Item = (Vec3, f32, Vec3)> + '_ {
         (0..self.len()).map(|i| {
             let center = self.data.inner_center[i];
-            (center * self.scale, self.data.inner_radius[i] * self.scale, self.data.normals[i])
+            (center * self.unit(), self.data.inner_radius[i] * self.unit(), self.data.normals[i])
         })
     }
 
@@ -169,6 +178,11 @@ impl InnerSphereTree {
     #[must_use]
     pub fn packing_index(&self, i: usize) -> usize {
         self.data.packing_index[i] as usize
+    }
+
+    /// Unit of length of [`Self::data`] (m), at this tree's scale.
+    pub(crate) fn unit(&self) -> f32 {
+        self.scale * self.data.unit
     }
 
     pub(crate) fn shared(&self) -> &Arc<TreeData> {
@@ -207,7 +221,6 @@ impl TreeData {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::InnerSphere;
     use alloc::vec::Vec;
     use proptest::prelude::*;
 

@@ -85,7 +85,7 @@ impl InnerSphereTree {
         };
         let query = Query::new((self.data(), other.data()), &pose);
         let found = dispatch!(simd_level(), simd => search(simd, &query, &mut meter, workspace));
-        let scale = f64::from(self.scale());
+        let scale = f64::from(self.unit());
         let scale3 = scale * scale * scale;
         let mut expected = Overlap::new(&found.totals, OverlapQuery::default(), [self, other]);
         // A volume may be expected before any pair is known.
