@@ -8,7 +8,8 @@ use glamx::Pose3;
 
 /// Similarity that takes B's unscaled frame to A's unscaled frame.
 ///
-/// Trees keep the numbers of their packing whatever their scale; so do queries, and only the result is scaled.
+/// Trees keep the numbers of their packing, in units of its size, whatever their scale; so do queries, and only the result is
+/// scaled.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RelativePose {
     /// Rotation of B in A's frame.

@@ -19,7 +19,7 @@ impl InnerSphereTree {
     /// `center` (m, the tree's frame), each once, in an order that depends on the tree and the ball only, until `visit`
     /// breaks. Balls that just touch count.
     ///
-    /// Nothing is visited where `center` is not finite or beyond 10¹⁸ in the tree's unscaled frame, and where `radius` is
+    /// Nothing is visited where `center` is not finite or beyond 10¹⁸ times the tree's size, and where `radius` is
     /// negative or NaN. Time is linear in the spheres found and logarithmic in all.
     pub fn visit_spheres_in_ball<T>(
         &self,

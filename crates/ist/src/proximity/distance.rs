@@ -61,7 +61,7 @@ impl InnerSphereTree {
     /// The pair is the nearest one up to the rounding of centres to f32, 2e-6 of their coordinates; its distance is
     /// computed in f64. Where balls meet, the distance is 0 and the pair is one that meets, not the deepest.
     /// `None` where the pose is not finite, its quaternion far from unit length, or a coordinate
-    /// beyond 10¹⁸ in A's unscaled frame.
+    /// beyond 10¹⁸ times A's size.
     ///
     /// The time grows with the number of nearly nearest pairs: most for parallel faces, least for corners and contacts.
     ///

@@ -17,7 +17,7 @@ impl InnerSphereTree {
     /// the answer of [`Overlap::intersects`](crate::Overlap::intersects) without the overlap.
     ///
     /// True for no two solids that are apart. False where the pose is not finite, its quaternion far from unit
-    /// length, or a coordinate beyond 10¹⁸ in A's unscaled frame. The search goes deep first and ends at the first two
+    /// length, or a coordinate beyond 10¹⁸ times A's size. The search goes deep first and ends at the first two
     /// balls that meet.
     #[must_use]
     pub fn intersects(&self, other: &Self, pose: &Pose3, workspace: &mut ProximityWorkspace) -> bool {

@@ -76,8 +76,8 @@ impl InnerSphereTree {
     /// `depth`; for two balls both are exact up to 1e-5 of the coordinates. The translation is locally the shortest, as a
     /// rule, not always globally. That it separates is checked over all pairs before it is returned.
     ///
-    /// `None` where the pose is not finite, its quaternion far from unit length, or a coordinate beyond 10¹⁸ in A's
-    /// unscaled frame, and where no start leads out because balls are smaller than the rounding of their places.
+    /// `None` where the pose is not finite, its quaternion far from unit length, or a coordinate beyond 10¹⁸ times A's
+    /// size, and where no start leads out because balls are smaller than the rounding of their places.
     /// Iterations are bounded; the time is that of 20 to a few hundred queries of distance.
     #[must_use]
     pub fn penetration(

@@ -31,7 +31,7 @@ impl InnerSphereTree {
     /// The ball with the least signed distance from `point` (m, the tree's frame).
     ///
     /// The nearest one up to the rounding of coordinates to f32; its distance is computed in f64. `None` where `point` is
-    /// not finite or beyond 10¹⁸ in the tree's unscaled frame. Expected time is logarithmic in the
+    /// not finite or beyond 10¹⁸ times the tree's size. Expected time is logarithmic in the
     /// number of spheres.
     #[must_use]
     pub fn nearest_sphere(&self, point: Vec3, balls: BallKind) -> Option<NearestSphere> {

@@ -45,7 +45,7 @@ impl InnerSphereTree {
     /// If the ray begins inside a ball and `solid` holds, the hit is there, at time 0; without `solid` the first surface
     /// that the ray crosses counts, be it on the way in or out of a ball. A ray of direction zero hits
     /// the balls that it begins in, at time 0. `None` where nothing is hit until `ray.max_time`, where a number is NaN,
-    /// and where the origin is beyond 10¹⁸ in the tree's unscaled frame.
+    /// and where the origin is beyond 10¹⁸ times the tree's size.
     ///
     /// Hits are computed in f64. Expected time is logarithmic in the number of spheres for rays that hit.
     #[must_use]
