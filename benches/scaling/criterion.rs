@@ -1,7 +1,7 @@
 //! Criterion's report of the queries that most users have, on one thread.
 
 use crate::ANGLES;
-use crate::measure::overlap;
+use crate::measure::{overlap, poses};
 use crate::solids::Row;
 use criterion::{BenchmarkId, Criterion, Throughput};
 use ist::{Engine, OverlapWorkspace};
@@ -23,11 +23,15 @@ pub(crate) fn run(row: &Row) -> Result<(), Box<dyn Error>> {
     let mut workspace = OverlapWorkspace::default();
     for case in row.cases.iter().filter(|case| COUNTS.contains(&case.tree.len())) {
         let spheres = case.tree.len();
+        let poses = poses(case, ANGLES[1]);
         group.throughput(Throughput::Elements(2 * spheres as u64));
         for engine in [Engine::Grid, Engine::Tree] {
             let id = BenchmarkId::new(format!("{engine:?}"), spheres);
             group.bench_function(id, |bencher| {
-                pool.install(|| bencher.iter(|| overlap(case, ANGLES[1], engine, &mut workspace)));
+                let mut turn = poses.iter().cycle();
+                pool.install(|| {
+                    bencher.iter(|| turn.next().map(|pose| overlap(case, pose, engine, &mut workspace)))
+                });
             });
         }
     }

@@ -1,9 +1,12 @@
 //! Times of queries: all sizes and ways in turn, round by round.
 //!
-//! The machine's state then changes for all of them alike. The least time of all rounds counts, as other programs only ever
-//! slow a query down.
+//! The machine's state then changes for all of them alike. A query follows one at another pose, as the same query a second
+//! time would find a processor that has learnt the branches of 1,000 spheres by heart, and cannot learn those of
+//! 1,000,000. The least time of all rounds counts at each pose, as other programs only ever slow a query down, and the
+//! mean over the poses.
 
 use crate::solids::{Case, Row};
+use glam::Vec3;
 use glamx::{Pose3, Rot3};
 use ist::{Engine, Overlap, OverlapQuery, OverlapWorkspace};
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -11,13 +14,15 @@ use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant;
 
-const ROUNDS: usize = 12;
-/// Least time of one sample (s): short queries are repeated.
-const SAMPLE: f64 = 4e-3;
+const ROUNDS: usize = 6;
+/// Axes about which a solid is turned.
+const POSES: usize = 8;
+/// Least time of the queries of a round (s): short ones are repeated.
+const ROUND: f64 = 5e-3;
 
 /// Threads to run on.
 pub(crate) struct Pools {
-    pub(crate) one: ThreadPool,
+    one: ThreadPool,
     two: ThreadPool,
 }
 
@@ -25,8 +30,9 @@ pub(crate) struct Pools {
 pub(crate) struct Measurement {
     /// Spheres of one of the two solids.
     pub(crate) spheres: usize,
-    pub(crate) pairs: u32,
-    /// Least times (s).
+    /// Overlapping pairs, a mean over the poses.
+    pub(crate) pairs: f64,
+    /// Times (s).
     pub(crate) grid_one_thread: f64,
     pub(crate) grid_two_threads: f64,
     pub(crate) tree: f64,
@@ -48,55 +54,122 @@ pub(crate) fn measure(row: &Row, angle: f32, pools: &Pools) -> Result<Vec<Measur
     let mut workspace = OverlapWorkspace::default();
     let mut runs = Vec::new();
     for case in &row.cases {
-        let mut results = [Overlap::default(); 3];
-        let mut repeats = [1; 3];
-        for (i, way) in pools.ways().into_iter().enumerate() {
-            results[i] = overlap(case, angle, way.0, &mut workspace);
-            repeats[i] = (SAMPLE / sample((case, angle), way, 2, &mut workspace)).ceil().max(1.0) as usize;
-        }
-        check(&results)?;
-        runs.push((case, results[0].pairs, repeats));
+        runs.push(Run::new(case, angle, pools, &mut workspace)?);
     }
-    let mut least = vec![[f64::INFINITY; 3]; runs.len()];
     for _ in 0..ROUNDS {
-        for ((case, _, repeats), least) in runs.iter().zip(&mut least) {
-            for (i, way) in pools.ways().into_iter().enumerate() {
-                least[i] = least[i].min(sample((case, angle), way, repeats[i], &mut workspace));
+        for run in &mut runs {
+            for (way, times) in pools.ways().into_iter().zip(&mut run.times) {
+                times.take((run.case, &run.poses), way, &mut workspace);
             }
         }
     }
-    let measurements = runs.iter().zip(least).map(|((case, pairs, _), least)| {
-        let [grid_one_thread, grid_two_threads, tree] = least;
-        Measurement { spheres: case.tree.len(), pairs: *pairs, grid_one_thread, grid_two_threads, tree }
-    });
-    Ok(measurements.collect())
+    Ok(runs.iter().map(Run::measurement).collect())
 }
 
-/// The solid in itself, turned about its centroid, not about an axis of the mesh.
-pub(crate) fn overlap(case: &Case, angle: f32, engine: Engine, workspace: &mut OverlapWorkspace) -> Overlap {
-    let tree = &case.tree;
-    let axis = glam::Vec3::new(1.0, 2.0, 3.0).normalize();
-    let rotation = Rot3::from_axis_angle(axis, angle);
-    let centroid = tree.solid().centroid.as_vec3();
-    let pose = Pose3::from_parts(centroid - rotation * centroid, rotation);
-    let query = OverlapQuery { engine, ..OverlapQuery::default() };
-    tree.overlap_with(tree, black_box(&pose), query, workspace)
+/// One solid on its way through the rounds.
+struct Run<'a> {
+    case: &'a Case,
+    poses: [Pose3; POSES],
+    /// Mean over the poses.
+    pairs: f64,
+    times: [Times; 3],
 }
 
-/// Mean time (s) of a query that is repeated on the pool's threads.
-fn sample(
-    (case, angle): (&Case, f32),
-    (engine, pool): (Engine, &ThreadPool),
-    repeats: usize,
-    workspace: &mut OverlapWorkspace,
-) -> f64 {
-    pool.install(|| {
-        let start = Instant::now();
-        for _ in 0..repeats {
-            black_box(overlap(case, angle, engine, workspace));
+impl<'a> Run<'a> {
+    /// Looks whether all ways agree, and takes the first times.
+    fn new(
+        case: &'a Case,
+        angle: f32,
+        pools: &Pools,
+        workspace: &mut OverlapWorkspace,
+    ) -> Result<Self, Box<dyn Error>> {
+        let poses = poses(case, angle);
+        let (mut pairs, mut times) = (0.0, [Times::default(); 3]);
+        for pose in &poses {
+            let mut ask = |(engine, pool): (Engine, &ThreadPool)| {
+                pool.install(|| overlap(case, pose, engine, workspace))
+            };
+            let results = pools.ways().map(&mut ask);
+            check(&results)?;
+            pairs += f64::from(results[0].pairs) / POSES as f64;
         }
-        start.elapsed().as_secs_f64() / repeats as f64
+        for (way, times) in pools.ways().into_iter().zip(&mut times) {
+            times.take((case, &poses), way, workspace);
+            times.repeats = (ROUND / (times.mean() * POSES as f64)).ceil() as usize;
+        }
+        Ok(Self { case, poses, pairs, times })
+    }
+
+    fn measurement(&self) -> Measurement {
+        let [grid_one_thread, grid_two_threads, tree] = self.times.map(|times| times.mean());
+        let (spheres, pairs) = (self.case.tree.len(), self.pairs);
+        Measurement { spheres, pairs, grid_one_thread, grid_two_threads, tree }
+    }
+}
+
+/// Of one solid in one way.
+#[derive(Clone, Copy)]
+struct Times {
+    /// Least time at each pose (s).
+    least: [f64; POSES],
+    /// How often a round goes over the poses.
+    repeats: usize,
+}
+
+impl Default for Times {
+    fn default() -> Self {
+        Self { least: [f64::INFINITY; POSES], repeats: 1 }
+    }
+}
+
+impl Times {
+    /// One round.
+    fn take(
+        &mut self,
+        (case, poses): (&Case, &[Pose3; POSES]),
+        (engine, pool): (Engine, &ThreadPool),
+        workspace: &mut OverlapWorkspace,
+    ) {
+        // Inside the pool, so that no query waits for the pool's threads to take it over.
+        pool.install(|| {
+            for _ in 0..self.repeats {
+                for (pose, least) in poses.iter().zip(&mut self.least) {
+                    let start = Instant::now();
+                    black_box(overlap(case, pose, engine, workspace));
+                    *least = least.min(start.elapsed().as_secs_f64());
+                }
+            }
+        });
+    }
+
+    fn mean(&self) -> f64 {
+        self.least.iter().sum::<f64>() / POSES as f64
+    }
+}
+
+/// The solid turned by `angle` (rad) about axes through its centroid, which are spread over a sphere.
+pub(crate) fn poses(case: &Case, angle: f32) -> [Pose3; POSES] {
+    /// Fibonacci's spiral: equal steps along z, and golden angles around it.
+    const GOLDEN_ANGLE: f32 = 2.399_963;
+    let centroid = case.tree.solid().centroid.as_vec3();
+    std::array::from_fn(|i| {
+        let z = 1.0 - (2.0 * i as f32 + 1.0) / POSES as f32;
+        let (sin, cos) = (GOLDEN_ANGLE * i as f32).sin_cos();
+        let axis = Vec3::new(cos, sin, 0.0) * (1.0 - z * z).sqrt() + Vec3::Z * z;
+        let rotation = Rot3::from_axis_angle(axis, angle);
+        Pose3::from_parts(centroid - rotation * centroid, rotation)
     })
+}
+
+/// The solid at `pose` in itself.
+pub(crate) fn overlap(
+    case: &Case,
+    pose: &Pose3,
+    engine: Engine,
+    workspace: &mut OverlapWorkspace,
+) -> Overlap {
+    let query = OverlapQuery { engine, ..OverlapQuery::default() };
+    case.tree.overlap_with(&case.tree, black_box(pose), query, workspace)
 }
 
 /// A time is worth nothing if the result is wrong.

@@ -20,7 +20,7 @@ pub(crate) fn print(row: &Row, angle: f32, measurements: &[Measurement]) {
             m.grid_one_thread / m.grid_two_threads,
             1e9 * m.per_sphere(m.grid_one_thread),
             time(m.tree),
-            m.per_sphere(f64::from(m.pairs)),
+            m.per_sphere(m.pairs),
             case.levels(),
             bytes(case.tree_bytes),
             bytes(case.grid_bytes),
