@@ -17,7 +17,7 @@ mod cells;
 use crate::InnerSphereTree;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use cells::{CellTable, spread_bits};
+use cells::{CellTable, morton, spread_bits};
 use core::ops::Range;
 use glam::{UVec3, Vec3};
 
@@ -124,6 +124,14 @@ impl GridData {
                 }
             }
         }
+    }
+
+    /// Position of `point` (m, unscaled) along a curve that fills space: that of its cell in the finest level, or of the
+    /// nearest cell.
+    pub(crate) fn along_curve(&self, point: Vec3) -> u64 {
+        let finest = &self.levels[0];
+        let cell = ((point - self.origin) / finest.cell).max(Vec3::ZERO).as_uvec3().min(finest.last_cell);
+        morton(cell.to_array())
     }
 
     /// The entries of `group`.

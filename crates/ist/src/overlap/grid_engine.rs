@@ -2,13 +2,14 @@
 
 use super::Engine;
 use super::grid_search::{GridPair, GridScratch, Task};
+use super::grid_sink::GridSink;
 use super::relative_pose::RelativePose;
 use super::totals::{Totals, TotalsSink};
 use super::workspace::OverlapWorkspace;
 use crate::InnerSphereTree;
 use crate::lens::Lens;
 use crate::simd_level::simd_level;
-use crate::tree::{BallBlock, TreeData};
+use crate::tree::TreeData;
 use fearless_simd::dispatch;
 
 /// Spheres of both solids from which on [`Engine::Auto`] thinks of the grids.
@@ -55,17 +56,10 @@ pub(super) fn totals<const STIFFNESS: bool>(
     grids: GridPair,
     workspace: &mut OverlapWorkspace,
 ) -> Totals {
-    let placed = &mut workspace.placed;
-    let leaves = &trees.1.levels[0].blocks;
-    if placed.len() < leaves.len() {
-        placed.resize(leaves.len(), BallBlock::FAR);
-    }
-    place_all(leaves, grids.pose, placed);
-    let placed = &*placed;
     let run = |task: &Task, scratch: &mut GridScratch| {
-        let mut sink = TotalsSink::<STIFFNESS>::new(trees, grids.pose);
-        dispatch!(simd_level(), simd => grids.find_pairs(simd, task, scratch, (placed, &mut sink)));
-        sink.totals
+        let mut sink = GridSink { totals: TotalsSink::<STIFFNESS>::new(trees, grids.pose), grids };
+        dispatch!(simd_level(), simd => grids.find_pairs(simd, task, scratch, &mut sink));
+        sink.totals.totals
     };
     sum_of_tasks(grids, run, &mut workspace.grid)
 }
@@ -76,10 +70,13 @@ fn sum_of_tasks(
     run: impl Fn(&Task, &mut GridScratch) -> Totals + Sync,
     scratch: &mut GridScratch,
 ) -> Totals {
+    let mut tasks = core::mem::take(&mut scratch.tasks);
+    grids.list_tasks(&mut tasks);
     let mut totals = Totals::default();
-    for task in grids.tasks() {
-        totals.add(&run(&task, scratch));
+    for task in &tasks {
+        totals.add(&run(task, scratch));
     }
+    scratch.tasks = tasks;
     totals
 }
 
@@ -88,35 +85,16 @@ fn sum_of_tasks(
 fn sum_of_tasks(
     grids: GridPair,
     run: impl Fn(&Task, &mut GridScratch) -> Totals + Sync,
-    _scratch: &mut GridScratch,
+    scratch: &mut GridScratch,
 ) -> Totals {
     use alloc::vec::Vec;
     use rayon::prelude::*;
-    let tasks: Vec<Task> = grids.tasks().collect();
+    grids.list_tasks(&mut scratch.tasks);
     let parts: Vec<Totals> =
-        tasks.par_iter().map_init(GridScratch::default, |scratch, task| run(task, scratch)).collect();
+        scratch.tasks.par_iter().map_init(GridScratch::default, |scratch, task| run(task, scratch)).collect();
     let mut totals = Totals::default();
     for part in &parts {
         totals.add(part);
     }
     totals
-}
-
-/// Puts B's leaves into A's frame.
-fn place_all(leaves: &[BallBlock], pose: &RelativePose, placed: &mut [BallBlock]) {
-    let place = |from: &[BallBlock], to: &mut [BallBlock]| {
-        dispatch!(simd_level(), simd => {
-            for (from, to) in from.iter().zip(to) {
-                *to = pose.place(simd, from);
-            }
-        });
-    };
-    #[cfg(not(feature = "parallel"))]
-    place(leaves, placed);
-    #[cfg(feature = "parallel")]
-    {
-        use rayon::prelude::*;
-        const BLOCKS: usize = 1024;
-        placed.par_chunks_mut(BLOCKS).zip(leaves.par_chunks(BLOCKS)).for_each(|(to, from)| place(from, to));
-    }
 }

@@ -13,11 +13,14 @@ use crate::grid::{Entries, GridData, Level};
 use crate::tree::{BallBlock, WIDTH};
 use alloc::vec::Vec;
 use core::ops::Range;
-use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
+use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use glam::{Mat3, Vec3};
 
-/// Groups per task: enough work to be worth handing to another thread, about 1,000 spheres.
-const TASK: usize = 128;
+/// Groups per task: enough work to be worth handing to another thread, about 500 spheres.
+///
+/// Fewer give two threads more to share out in a small solid. Time on one thread, a solid in itself, 1,000 / 27,000
+/// spheres: 34 / 40 ns per sphere for 128 groups, 34 / 39 for 64, 35 / 41 for 32.
+const TASK: usize = 64;
 
 /// Groups that look together, at most.
 const NEIGHBOURS: usize = 16;
@@ -40,6 +43,8 @@ pub(super) struct Task {
     /// Index of their level.
     level: usize,
     groups: Range<usize>,
+    /// Where they are, along a curve through space.
+    position: u64,
 }
 
 /// Grids of two solids and where B stands.
@@ -53,6 +58,7 @@ pub(super) struct GridPair<'a> {
 /// Scratch memory of a search.
 #[derive(Clone, Debug, Default)]
 pub(super) struct GridScratch {
+    pub(super) tasks: Vec<Task>,
     neighbours: Vec<Group>,
     /// The other solid's spheres near all of the neighbours, and near one group of them.
     near: Candidates,
@@ -72,29 +78,43 @@ struct Group {
 }
 
 impl<'a> GridPair<'a> {
-    /// All work that there is, always in the same order.
-    pub(super) fn tasks(self) -> impl Iterator<Item = Task> + 'a {
-        [(false, self.b), (true, self.a)].into_iter().flat_map(|(of_a, grid)| {
-            grid.levels.iter().enumerate().flat_map(move |(level, Level { groups, .. })| {
-                groups.clone().step_by(TASK).map(move |first| Task {
-                    of_a,
-                    level,
-                    groups: first..groups.end.min(first + TASK),
-                })
-            })
-        })
+    /// Fills `tasks` with all work that there is, always in the same order: along a curve through space, whichever solid and
+    /// level they belong to, so that neighbours find in the cache what they share.
+    ///
+    /// With 1,000,000 spheres a query takes 12 % less time than with the levels one after another, with 343,000 8 %, and
+    /// with 27,000, all of which the cache holds, the same.
+    pub(super) fn list_tasks(self, tasks: &mut Vec<Task>) {
+        tasks.clear();
+        for (of_a, grid) in [(false, self.b), (true, self.a)] {
+            for (level, Level { groups, .. }) in grid.levels.iter().enumerate() {
+                tasks.extend(groups.clone().step_by(TASK).map(|first| {
+                    let groups = first..groups.end.min(first + TASK);
+                    Task { of_a, level, position: self.position(of_a, &groups), groups }
+                }));
+            }
+        }
+        tasks.sort_unstable_by_key(|task| (task.position, task.of_a, task.groups.start));
     }
 
-    /// Hands the pairs of `task` to the sink; the leaves of B that come with it are all of them, in A's frame.
+    /// Where along the curve a sphere in the middle of `groups` is.
+    fn position(self, of_a: bool, groups: &Range<usize>) -> u64 {
+        let grid = if of_a { self.a } else { self.b };
+        let middle = grid.entries_of_group(groups.start.midpoint(groups.end)).start;
+        let Entries { x, y, z, .. } = &grid.entries;
+        let center = Vec3::new(x[middle], y[middle], z[middle]);
+        self.a.along_curve(if of_a { center } else { self.pose.transform_point(center) })
+    }
+
+    /// Hands the pairs of `task`, positions among the entries, to the sink.
     #[inline(always)]
     pub(super) fn find_pairs<S: Simd>(
         self,
         simd: S,
         task: &Task,
         scratch: &mut GridScratch,
-        (placed, sink): (&[BallBlock], &mut impl PairSink),
+        sink: &mut impl PairSink,
     ) {
-        let GridScratch { neighbours, near, near_group, cells, pairs } = scratch;
+        let GridScratch { neighbours, near, near_group, cells, pairs, .. } = scratch;
         let (own, other) = if task.of_a { (self.a, self.b) } else { (self.b, self.a) };
         let levels = &other.levels[self.first_level(task)..];
         if levels.is_empty() {
@@ -119,12 +139,12 @@ impl<'a> GridPair<'a> {
                     let mask = bounds.touched_by(&block) & live_lanes(simd, near.len, first);
                     block.append_where(simd, mask, near_group);
                 }
-                let index = core::array::from_fn(|lane| own.entries.index[group.first + lane]);
+                let index = core::array::from_fn(|lane| (group.first + lane) as u32);
                 let lanes = Lanes { balls: &group.balls, index, count: group.count, of_a: task.of_a };
-                pairs.append(simd, (near_group, 0..near_group.len), &lanes, (placed, sink));
+                pairs.append(simd, (near_group, 0..near_group.len), &lanes, (&[], sink));
             }
         }
-        pairs.flush(simd, placed, sink);
+        pairs.flush(simd, &[], sink);
     }
 
     /// Fills `neighbours` with groups of `task` from `next` on, which it moves behind them, and returns the box around all:
@@ -193,8 +213,7 @@ impl<'a> GridPair<'a> {
             near.make_room(cell.len());
             for first in (cell.start as usize..cell.end as usize).step_by(WIDTH) {
                 let balls = self.block(simd, entries, first, !of_a);
-                let mut block = BlockLanes::new(simd, &balls, 0.0, 0);
-                block.index = u32x8::from_slice(simd, &entries.index[first..first + WIDTH]);
+                let block = BlockLanes::new(simd, &balls, 0.0, first);
                 let mask = lanes.touched_by(&block) & live_lanes(simd, cell.end as usize, first);
                 block.append_where(simd, mask, near);
             }

@@ -32,9 +32,15 @@ fn pairs(a: &InnerSphereTree, b: &InnerSphereTree, pose: &Pose3, by: Engine) -> 
             dispatch!(simd_level(), simd => for_each_pair(simd, trees, &pose, &mut workspace, &mut keep));
         }
         Some(grids) => {
-            for task in grids.tasks() {
+            let mut tasks = Vec::new();
+            grids.list_tasks(&mut tasks);
+            for task in tasks {
                 let scratch = &mut workspace.grid;
-                dispatch!(simd_level(), simd => grids.find_pairs(simd, &task, scratch, (&[], &mut keep)));
+                dispatch!(simd_level(), simd => grids.find_pairs(simd, &task, scratch, &mut keep));
+            }
+            for [in_b, in_a] in &mut keep.0 {
+                *in_b = grids.b.entries.index[*in_b as usize];
+                *in_a = grids.a.entries.index[*in_a as usize];
             }
         }
     }
@@ -94,4 +100,28 @@ fn grids_serve_all_sizes_of_a_body() {
             );
         }
     }
+}
+
+#[cfg(feature = "parallel")]
+#[test]
+fn threads_do_not_show_in_the_result() {
+    // A lattice of 8,000 balls: some tasks for every thread.
+    let spheres = (0..8_000_u32)
+        .map(|i| {
+            let at = [i % 20, i / 20 % 20, i / 400].map(|k| k as f32);
+            let radius = if i % 3 == 0 { 0.5 } else { 0.2 };
+            crate::InnerSphere::solid_ball(Vec3::from_array(at), radius, Vec3::Y)
+        })
+        .collect();
+    let packing = crate::SpherePacking::new(spheres, crate::SolidProperties::ball(1.0)).unwrap();
+    let solid = tree(&packing).with_grid();
+    let pose = Pose3::new(Vec3::new(0.3, 0.1, 0.2), Vec3::new(0.02, 0.1, 0.05));
+    let overlap = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let mut workspace = OverlapWorkspace::default();
+        pool.install(|| solid.overlap_with(&solid, &pose, engine(Engine::Grid), &mut workspace))
+    };
+    let one = overlap(1);
+    assert!(one.pairs > 8_000);
+    assert_eq!([overlap(2), overlap(3), overlap(7)], [one; 3]);
 }

@@ -7,6 +7,7 @@ mod caps;
 mod force_law;
 mod grid_engine;
 mod grid_search;
+mod grid_sink;
 mod lanes;
 mod lens_lanes;
 mod pairs;

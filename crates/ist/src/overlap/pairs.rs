@@ -4,7 +4,7 @@ use super::lanes::{Ball, BlockLanes, live_lanes};
 use super::workspace::Candidates;
 use crate::tree::{BallBlock, WIDTH};
 use core::ops::Range;
-use fearless_simd::{Simd, prelude::*, u32x8};
+use fearless_simd::{Simd, mask32x8, prelude::*, u32x8};
 
 /// Takes the overlapping pairs, a batch at a time.
 pub(super) trait PairSink {
@@ -15,7 +15,7 @@ pub(super) trait PairSink {
 /// Pairs per batch; no effect on the time was measured from 128 to 512.
 const BATCH: usize = 256;
 
-/// A batch of overlapping pairs: positions in the orders of both trees.
+/// A batch of overlapping pairs: positions in the orders of both trees, or among the entries of both grids.
 ///
 /// Positions only: storing the balls of a pair as well costs more than reading them again, as four of the ten stores
 /// that this takes per test are for nothing.
@@ -29,7 +29,7 @@ pub(super) struct PairBuffer {
 /// Up to eight spheres of one solid, in A's frame, that are paired with a list of the other's.
 pub(super) struct Lanes<'a> {
     pub(super) balls: &'a BallBlock,
-    /// Positions in the order of their tree.
+    /// Positions in the order of their tree, or among the entries of their grid.
     pub(super) index: [u32; WIDTH],
     /// Spheres, from the first lane on.
     pub(super) count: usize,
@@ -55,6 +55,24 @@ impl Default for PairBuffer {
 impl PairBuffer {
     pub(super) fn len(&self) -> usize {
         self.len
+    }
+
+    /// Lanes of the block at `first` that hold a pair.
+    #[inline(always)]
+    pub(super) fn live<S: Simd>(&self, simd: S, first: usize) -> mask32x8<S> {
+        live_lanes(simd, self.len, first)
+    }
+
+    /// The same pairs, with the numbers that `a` and `b` have at the present ones.
+    pub(super) fn renumbered(&self, a: &[u32], b: &[u32]) -> Self {
+        let mut out = Self { len: self.len, ..Self::default() };
+        let end = self.len.next_multiple_of(WIDTH);
+        for (to, from, numbers) in [(&mut out.a, &self.a, a), (&mut out.b, &self.b, b)] {
+            for (to, from) in to.iter_mut().zip(&from[..end]) {
+                *to = numbers[*from as usize];
+            }
+        }
+        out
     }
 
     pub(super) fn clear(&mut self) {

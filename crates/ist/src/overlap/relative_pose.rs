@@ -1,5 +1,6 @@
 //! Where the second tree stands in the frame of the first.
 
+use super::lens_lanes::Lanes3;
 use crate::InnerSphereTree;
 use crate::tree::BallBlock;
 use fearless_simd::{Simd, f32x8, prelude::*};
@@ -68,12 +69,29 @@ impl RelativePose {
         let x = f32x8::load_array(simd, block.x);
         let y = f32x8::load_array(simd, block.y);
         let z = f32x8::load_array(simd, block.z);
-        let (m, t) = (&self.linear, self.translation);
+        let radius = f32x8::load_array(simd, block.radius);
+        let (center, radius) = self.place_lanes(Lanes3 { x, y, z }, radius);
         BallBlock {
-            x: (x * m.x_axis.x + y * m.y_axis.x + z * m.z_axis.x + t.x).to_array(),
-            y: (x * m.x_axis.y + y * m.y_axis.y + z * m.z_axis.y + t.y).to_array(),
-            z: (x * m.x_axis.z + y * m.y_axis.z + z * m.z_axis.z + t.z).to_array(),
-            radius: (f32x8::load_array(simd, block.radius) * self.scale + self.skin_b).to_array(),
+            x: center.x.to_array(),
+            y: center.y.to_array(),
+            z: center.z.to_array(),
+            radius: radius.to_array(),
         }
+    }
+
+    /// Eight balls of B in A's frame.
+    #[inline(always)]
+    pub(super) fn place_lanes<S: Simd>(
+        &self,
+        Lanes3 { x, y, z }: Lanes3<S>,
+        radius: f32x8<S>,
+    ) -> (Lanes3<S>, f32x8<S>) {
+        let (m, t) = (&self.linear, self.translation);
+        let center = Lanes3 {
+            x: x * m.x_axis.x + y * m.y_axis.x + z * m.z_axis.x + t.x,
+            y: x * m.x_axis.y + y * m.y_axis.y + z * m.z_axis.y + t.y,
+            z: x * m.x_axis.z + y * m.y_axis.z + z * m.z_axis.z + t.z,
+        };
+        (center, radius * self.scale + self.skin_b)
     }
 }

@@ -1,6 +1,6 @@
 //! The sums that an overlap result is made of.
 
-use super::lens_lanes::{Lanes3, LensLanes, PairLanes};
+use super::lens_lanes::{Lanes3, LeafBalls, LensLanes, PairBalls};
 use super::pairs::{PairBuffer, PairSink};
 use super::relative_pose::RelativePose;
 use super::stiffness::{StiffnessLanes, StiffnessSum};
@@ -76,13 +76,21 @@ impl<const STIFFNESS: bool> PairSink for TotalsSink<'_, STIFFNESS> {
     #[inline(always)]
     fn take<S: Simd>(&mut self, simd: S, pairs: &PairBuffer, placed: &[BallBlock]) {
         let leaves_a = (&*self.a.levels[0].blocks, self.pose.skin_a);
+        self.add(simd, pairs, &LeafBalls { pairs, leaves_a, placed });
+    }
+}
+
+impl<const STIFFNESS: bool> TotalsSink<'_, STIFFNESS> {
+    /// Adds `pairs`, positions in the trees' orders, whose balls are `balls`.
+    #[inline(always)]
+    pub(super) fn add<S: Simd>(&mut self, simd: S, pairs: &PairBuffer, balls: &impl PairBalls) {
         let (mut volume, mut moment) = (f32x8::splat(simd, 0.0), Lanes3::zero(simd));
         let mut gradient = WrenchLanes::zero(simd);
         let (mut normals_a, mut normals_b) = (gradient, gradient);
         let mut stiffness = StiffnessLanes::zero(simd);
         let mut deepest = (f32x8::splat(simd, 0.0), u32x8::splat(simd, 0));
         for first in (0..pairs.len()).step_by(WIDTH) {
-            let balls = PairLanes::gather(simd, pairs, first, leaves_a, placed);
+            let balls = balls.gather(simd, first);
             let lens = LensLanes::new(simd, &balls);
             volume += lens.volume;
             moment = moment.plus(lens.moment);
