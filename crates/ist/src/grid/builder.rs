@@ -70,7 +70,7 @@ pub(super) fn build(tree: &TreeData) -> GridData {
         start += part.len();
     }
     groups.push(start as u32);
-    GridData { levels, entries: entries(balls, &placed), groups, origin }
+    GridData { levels, entries: entries(tree, &placed), groups, origin }
 }
 
 /// ⌊log₂ x⌋ for x ≥ 1, without a platform's logarithm.
@@ -104,19 +104,26 @@ fn occupied_cells(part: &[Placed], start: usize) -> Vec<(u64, core::ops::Range<u
         .collect()
 }
 
-fn entries(balls: &Balls, placed: &[Placed]) -> Entries {
-    let mut entries = Entries::default();
-    let far = core::iter::repeat_n((Vec3::splat(FAR), 0.0, 0), WIDTH);
-    let all = placed.iter().map(|p| {
-        let (center, radius) = balls.get(p.index as usize);
-        (center, radius, p.index)
-    });
-    for (center, radius, index) in all.chain(far) {
+fn entries(tree: &TreeData, placed: &[Placed]) -> Entries {
+    let with_room = || Vec::with_capacity(placed.len() + WIDTH);
+    let (x, y, z, radius) = (with_room(), with_room(), with_room(), with_room());
+    let normal = Vec::with_capacity(placed.len() + WIDTH);
+    let index = Vec::with_capacity(placed.len() + WIDTH);
+    let mut entries = Entries { x, y, z, radius, normal, index };
+    let mut push = |center: Vec3, radius, normal, index| {
         entries.x.push(center.x);
         entries.y.push(center.y);
         entries.z.push(center.z);
         entries.radius.push(radius);
+        entries.normal.push(normal);
         entries.index.push(index);
+    };
+    for p in placed {
+        let (center, radius) = tree.levels[0].get(p.index as usize);
+        push(center, radius, tree.normals[p.index as usize], p.index);
+    }
+    for _ in 0..WIDTH {
+        push(Vec3::splat(FAR), 0.0, Vec3::ZERO, 0);
     }
     entries
 }

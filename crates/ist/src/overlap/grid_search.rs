@@ -18,8 +18,9 @@ use glam::{Mat3, Vec3};
 
 /// Groups per task: enough work to be worth handing to another thread, about 500 spheres.
 ///
-/// Fewer give two threads more to share out in a small solid. Time on one thread, a solid in itself, 1,000 / 27,000
-/// spheres: 34 / 40 ns per sphere for 128 groups, 34 / 39 for 64, 35 / 41 for 32.
+/// A solid of 1,000 / 8,000 / 27,000 spheres in itself, in µs: on one thread 68 / 624 / 2,270 with 128 groups, 71 / 618 /
+/// 2,340 with 64, 72 / 640 / 2,350 with 32; on two threads 69 / 336 / 1,210 with 128, 37 / 334 / 1,170 with 64, 42 / 348 /
+/// 1,210 with 32.
 const TASK: usize = 64;
 
 /// Groups that look together, at most.
@@ -81,8 +82,8 @@ impl<'a> GridPair<'a> {
     /// Fills `tasks` with all work that there is, always in the same order: along a curve through space, whichever solid and
     /// level they belong to, so that neighbours find in the cache what they share.
     ///
-    /// With 1,000,000 spheres a query takes 12 % less time than with the levels one after another, with 343,000 8 %, and
-    /// with 27,000, all of which the cache holds, the same.
+    /// A query of two solids of 1,000,000 spheres takes 12 % less time than with the levels one after another, of 343,000
+    /// 8 %, and of 27,000, all of which the cache holds, the same.
     pub(super) fn list_tasks(self, tasks: &mut Vec<Task>) {
         tasks.clear();
         for (of_a, grid) in [(false, self.b), (true, self.a)] {

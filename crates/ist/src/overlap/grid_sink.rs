@@ -1,12 +1,13 @@
 //! From pairs of grid entries to totals.
 //!
-//! The balls are read where the search has just read them. Those of the trees are in another order: they would have to be
-//! fetched from memory once more, as large solids do not fit into a cache.
+//! Balls and normals are read in the order of the grids: the search has just read the balls there. Those of the trees are
+//! elsewhere and would have to be fetched as well, and large solids do not fit into a cache. A query of two solids of 343,000
+//! / 1,000,000 spheres takes 34 / 101 ms; with the trees' normals 35 / 106 ms, and with the trees' balls too about 39 / 123 ms.
 
 use super::grid_search::GridPair;
-use super::lens_lanes::{Lanes3, PairBalls, PairLanes};
+use super::lens_lanes::{Lanes3, PairLanes};
 use super::pairs::{PairBuffer, PairSink};
-use super::totals::TotalsSink;
+use super::totals::{PairSource, TotalsSink, gather};
 use crate::grid::Entries;
 use crate::tree::{BallBlock, WIDTH};
 use fearless_simd::{Simd, f32x8, prelude::*};
@@ -20,27 +21,38 @@ pub(super) struct GridSink<'a, const STIFFNESS: bool> {
 impl<const STIFFNESS: bool> PairSink for GridSink<'_, STIFFNESS> {
     #[inline(always)]
     fn take<S: Simd>(&mut self, simd: S, pairs: &PairBuffer, _: &[BallBlock]) {
-        let grids = self.grids;
-        let in_trees = pairs.renumbered(&grids.a.entries.index, &grids.b.entries.index);
-        self.totals.add(simd, &in_trees, &EntryBalls { pairs, grids });
+        self.totals.add(simd, pairs.len(), &EntrySource { pairs, grids: self.grids });
     }
 }
 
-/// Balls in the grids' order.
-struct EntryBalls<'a> {
+/// Pairs of entries.
+struct EntrySource<'a> {
     pairs: &'a PairBuffer,
     grids: GridPair<'a>,
 }
 
-impl PairBalls for EntryBalls<'_> {
+impl PairSource for EntrySource<'_> {
     #[inline(always)]
-    fn gather<S: Simd>(&self, simd: S, first: usize) -> PairLanes<S> {
+    fn balls<S: Simd>(&self, simd: S, first: usize) -> PairLanes<S> {
         let Self { pairs, grids } = *self;
         let (center_a, radius_a) = balls(simd, &grids.a.entries, &pairs.a[first..first + WIDTH]);
         let (center_b, radius_b) = balls(simd, &grids.b.entries, &pairs.b[first..first + WIDTH]);
         let (center_b, radius_b) = grids.pose.place_lanes(center_b, radius_b);
         let radius_a = radius_a + grids.pose.skin_a;
         PairLanes { center_a, center_b, radius_a, radius_b, live: pairs.live(simd, first) }
+    }
+
+    #[inline(always)]
+    fn normals<S: Simd>(&self, simd: S, first: usize) -> (Lanes3<S>, Lanes3<S>) {
+        let Self { pairs, grids: GridPair { a, b, .. } } = self;
+        let block = first..first + WIDTH;
+        let of_a = gather(simd, &a.entries.normal, &pairs.a[block.clone()]);
+        (of_a, gather(simd, &b.entries.normal, &pairs.b[block]))
+    }
+
+    fn spheres(&self, pair: usize) -> [u32; 2] {
+        let Self { pairs, grids: GridPair { a, b, .. } } = self;
+        [a.entries.index[pairs.a[pair] as usize], b.entries.index[pairs.b[pair] as usize]]
     }
 }
 

@@ -60,28 +60,19 @@ pub(super) struct PairLanes<S: Simd> {
     pub(super) live: mask32x8<S>,
 }
 
-/// Where the balls of a batch of pairs are read.
-pub(super) trait PairBalls {
-    /// Those of the block of pairs that begins at `first`.
-    fn gather<S: Simd>(&self, simd: S, first: usize) -> PairLanes<S>;
-}
-
-/// Balls in the trees' order.
-pub(super) struct LeafBalls<'a> {
-    pub(super) pairs: &'a PairBuffer,
-    /// A's leaves without their skin, and the skin.
-    pub(super) leaves_a: (&'a [BallBlock], f32),
-    /// B's leaves in A's frame.
-    pub(super) placed: &'a [BallBlock],
-}
-
-impl PairBalls for LeafBalls<'_> {
+impl<S: Simd> PairLanes<S> {
+    /// The block of `pairs` that begins at `first`. `a` are A's leaves without their skin, `placed` B's in A's frame.
     #[inline(always)]
-    fn gather<S: Simd>(&self, simd: S, first: usize) -> PairLanes<S> {
-        let Self { pairs, leaves_a: (leaves, skin), placed } = *self;
-        let (center_a, radius_a) = balls(simd, leaves, &pairs.a[first..first + WIDTH]);
+    pub(super) fn gather(
+        simd: S,
+        pairs: &PairBuffer,
+        first: usize,
+        (a, skin_a): (&[BallBlock], f32),
+        placed: &[BallBlock],
+    ) -> Self {
+        let (center_a, radius_a) = balls(simd, a, &pairs.a[first..first + WIDTH]);
         let (center_b, radius_b) = balls(simd, placed, &pairs.b[first..first + WIDTH]);
-        PairLanes { center_a, center_b, radius_a: radius_a + skin, radius_b, live: pairs.live(simd, first) }
+        Self { center_a, center_b, radius_a: radius_a + skin_a, radius_b, live: pairs.live(simd, first) }
     }
 }
 

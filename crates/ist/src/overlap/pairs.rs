@@ -63,18 +63,6 @@ impl PairBuffer {
         live_lanes(simd, self.len, first)
     }
 
-    /// The same pairs, with the numbers that `a` and `b` have at the present ones.
-    pub(super) fn renumbered(&self, a: &[u32], b: &[u32]) -> Self {
-        let mut out = Self { len: self.len, ..Self::default() };
-        let end = self.len.next_multiple_of(WIDTH);
-        for (to, from, numbers) in [(&mut out.a, &self.a, a), (&mut out.b, &self.b, b)] {
-            for (to, from) in to.iter_mut().zip(&from[..end]) {
-                *to = numbers[*from as usize];
-            }
-        }
-        out
-    }
-
     pub(super) fn clear(&mut self) {
         self.len = 0;
     }

@@ -5,7 +5,7 @@
 //! share a sphere with a lens are added up first; where they cancel, deep inside, the stored outward normals take
 //! over, continuously.
 
-use super::lens_lanes::{LeafBalls, LensLanes, PairBalls};
+use super::lens_lanes::{LensLanes, PairLanes};
 use super::pairs::{PairBuffer, PairSink};
 use super::relative_pose::RelativePose;
 use crate::tree::{BallBlock, TreeData, WIDTH};
@@ -113,7 +113,7 @@ impl PairSink for LensSink<'_> {
     #[inline(always)]
     fn take<S: Simd>(&mut self, simd: S, pairs: &PairBuffer, placed: &[BallBlock]) {
         for first in (0..pairs.len()).step_by(WIDTH) {
-            let balls = LeafBalls { pairs, leaves_a: self.leaves_a, placed }.gather(simd, first);
+            let balls = PairLanes::gather(simd, pairs, first, self.leaves_a, placed);
             let lens = LensLanes::new(simd, &balls);
             for lane in 0..WIDTH.min(pairs.len() - first) {
                 let volume = lens.volume[lane];

@@ -1,6 +1,6 @@
 //! The sums that an overlap result is made of.
 
-use super::lens_lanes::{Lanes3, LeafBalls, LensLanes, PairBalls};
+use super::lens_lanes::{Lanes3, LensLanes, PairLanes};
 use super::pairs::{PairBuffer, PairSink};
 use super::relative_pose::RelativePose;
 use super::stiffness::{StiffnessLanes, StiffnessSum};
@@ -58,17 +58,56 @@ impl<'a, const STIFFNESS: bool> TotalsSink<'a, STIFFNESS> {
     }
 
     /// Whether the inner balls of one of the pairs meet. Those of no other pair do: volume balls contain them.
-    fn inner_balls_meet(&self, pairs: &PairBuffer) -> bool {
+    fn inner_balls_meet(&self, count: usize, pairs: &impl PairSource) -> bool {
         let ball = |tree: &TreeData, index: u32| {
             let index = index as usize;
             (tree.inner_center[index], tree.inner_radius[index])
         };
-        (0..pairs.len()).any(|i| {
-            let (center_a, radius_a) = ball(self.a, pairs.a[i]);
-            let (center_b, radius_b) = ball(self.b, pairs.b[i]);
+        (0..count).any(|i| {
+            let [in_a, in_b] = pairs.spheres(i);
+            let (center_a, radius_a) = ball(self.a, in_a);
+            let (center_b, radius_b) = ball(self.b, in_b);
             let reach = radius_a + radius_b * self.pose.scale;
             center_a.distance_squared(self.pose.transform_point(center_b)) < reach * reach
         })
+    }
+}
+
+/// What there is to know about a batch of pairs.
+pub(super) trait PairSource {
+    /// The balls of the block of pairs that begins at `first`.
+    fn balls<S: Simd>(&self, simd: S, first: usize) -> PairLanes<S>;
+    /// The outward normals of A's spheres and of B's, each in the frame of its solid.
+    fn normals<S: Simd>(&self, simd: S, first: usize) -> (Lanes3<S>, Lanes3<S>);
+    /// Positions in the orders of the trees.
+    fn spheres(&self, pair: usize) -> [u32; 2];
+}
+
+/// Pairs of leaves.
+struct LeafSource<'a> {
+    pairs: &'a PairBuffer,
+    /// A's leaves without their skin, and the skin.
+    leaves_a: (&'a [BallBlock], f32),
+    /// B's leaves in A's frame.
+    placed: &'a [BallBlock],
+    normals: [&'a [Vec3]; 2],
+}
+
+impl PairSource for LeafSource<'_> {
+    #[inline(always)]
+    fn balls<S: Simd>(&self, simd: S, first: usize) -> PairLanes<S> {
+        PairLanes::gather(simd, self.pairs, first, self.leaves_a, self.placed)
+    }
+
+    #[inline(always)]
+    fn normals<S: Simd>(&self, simd: S, first: usize) -> (Lanes3<S>, Lanes3<S>) {
+        let [a, b] = self.normals;
+        let block = first..first + WIDTH;
+        (gather(simd, a, &self.pairs.a[block.clone()]), gather(simd, b, &self.pairs.b[block]))
+    }
+
+    fn spheres(&self, pair: usize) -> [u32; 2] {
+        [self.pairs.a[pair], self.pairs.b[pair]]
     }
 }
 
@@ -76,21 +115,22 @@ impl<const STIFFNESS: bool> PairSink for TotalsSink<'_, STIFFNESS> {
     #[inline(always)]
     fn take<S: Simd>(&mut self, simd: S, pairs: &PairBuffer, placed: &[BallBlock]) {
         let leaves_a = (&*self.a.levels[0].blocks, self.pose.skin_a);
-        self.add(simd, pairs, &LeafBalls { pairs, leaves_a, placed });
+        let normals = [&*self.a.normals, &*self.b.normals];
+        self.add(simd, pairs.len(), &LeafSource { pairs, leaves_a, placed, normals });
     }
 }
 
 impl<const STIFFNESS: bool> TotalsSink<'_, STIFFNESS> {
-    /// Adds `pairs`, positions in the trees' orders, whose balls are `balls`.
+    /// Adds `count` pairs, at least one.
     #[inline(always)]
-    pub(super) fn add<S: Simd>(&mut self, simd: S, pairs: &PairBuffer, balls: &impl PairBalls) {
+    pub(super) fn add<S: Simd>(&mut self, simd: S, count: usize, pairs: &impl PairSource) {
         let (mut volume, mut moment) = (f32x8::splat(simd, 0.0), Lanes3::zero(simd));
         let mut gradient = WrenchLanes::zero(simd);
         let (mut normals_a, mut normals_b) = (gradient, gradient);
         let mut stiffness = StiffnessLanes::zero(simd);
         let mut deepest = (f32x8::splat(simd, 0.0), u32x8::splat(simd, 0));
-        for first in (0..pairs.len()).step_by(WIDTH) {
-            let balls = balls.gather(simd, first);
+        for first in (0..count).step_by(WIDTH) {
+            let balls = pairs.balls(simd, first);
             let lens = LensLanes::new(simd, &balls);
             volume += lens.volume;
             moment = moment.plus(lens.moment);
@@ -101,14 +141,13 @@ impl<const STIFFNESS: bool> TotalsSink<'_, STIFFNESS> {
             let deeper = lens.depth.simd_gt(deepest.0);
             deepest.0 = deeper.select(lens.depth, deepest.0);
             deepest.1 = deeper.select(u32x8::splat(simd, first as u32), deepest.1);
-            let of_a = gather(simd, &self.a.normals, &pairs.a[first..first + WIDTH]);
+            let (of_a, of_b) = pairs.normals(simd, first);
             normals_a.add(of_a, lens.volume, lens.moment);
-            let of_b = gather(simd, &self.b.normals, &pairs.b[first..first + WIDTH]);
             normals_b.add(of_b.rotate(&self.pose.rotation), lens.volume, lens.moment);
         }
-        let meet = self.totals.inner_balls_meet || self.inner_balls_meet(pairs);
+        let meet = self.totals.inner_balls_meet || self.inner_balls_meet(count, pairs);
         let totals = &mut self.totals;
-        totals.pairs += pairs.len() as u32;
+        totals.pairs += count as u32;
         totals.volume += sum(volume);
         totals.moment += moment.sum();
         gradient.add_to(&mut totals.gradient);
@@ -154,11 +193,10 @@ impl WrenchSum {
 
 impl Deepest {
     /// Takes the deepest of eight pairs if it is deeper; lane i of `block` is where the block of pair i begins.
-    fn raise(&mut self, depth: [f32; WIDTH], block: [u32; WIDTH], pairs: &PairBuffer) {
+    fn raise(&mut self, depth: [f32; WIDTH], block: [u32; WIDTH], pairs: &impl PairSource) {
         for lane in 0..WIDTH {
             if depth[lane] > self.depth {
-                let at = block[lane] as usize + lane;
-                *self = Self { depth: depth[lane], spheres: [pairs.a[at], pairs.b[at]] };
+                *self = Self { depth: depth[lane], spheres: pairs.spheres(block[lane] as usize + lane) };
             }
         }
     }
@@ -193,7 +231,7 @@ impl<S: Simd> WrenchLanes<S> {
 
 /// The normals at the eight positions of `index`.
 #[inline(always)]
-fn gather<S: Simd>(simd: S, normals: &[Vec3], index: &[u32]) -> Lanes3<S> {
+pub(super) fn gather<S: Simd>(simd: S, normals: &[Vec3], index: &[u32]) -> Lanes3<S> {
     let normal: [&Vec3; WIDTH] = core::array::from_fn(|lane| &normals[index[lane] as usize]);
     Lanes3 {
         x: f32x8::from_fn(simd, |lane| normal[lane].x),
