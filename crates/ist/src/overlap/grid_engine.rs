@@ -11,6 +11,7 @@ use crate::lens::Lens;
 use crate::simd_level::simd_level;
 use crate::tree::TreeData;
 use fearless_simd::dispatch;
+use glam::Vec3;
 
 /// Spheres of both solids from which on [`Engine::Auto`] thinks of the grids.
 const MANY_SPHERES: usize = 50_000;
@@ -39,15 +40,17 @@ impl Engine {
 
 /// Whether the bounding balls share half of the smaller one.
 fn bounding_balls_overlap_by_half([a, b]: [&InnerSphereTree; 2], pose: &RelativePose) -> bool {
-    let ((center_a, radius_a), (center_b, radius_b)) = (a.data().root().get(0), b.data().root().get(0));
-    let radius_b = radius_b * pose.scale;
-    let lens = Lens::new(
-        f64::from(radius_a),
-        f64::from(radius_b),
-        f64::from(center_a.distance(pose.transform_point(center_b))),
-    );
+    let [(center_a, radius_a), (center_b, radius_b)] = bounding_balls((a.data(), b.data()), pose);
+    let lens = Lens::new(f64::from(radius_a), f64::from(radius_b), f64::from(center_a.distance(center_b)));
     let smaller = f64::from(radius_a.min(radius_b));
     lens.volume >= 0.5 * Lens::new(smaller, smaller, 0.0).volume
+}
+
+/// The balls around all of A and all of B, skins included, in A's unscaled frame.
+fn bounding_balls((a, b): (&TreeData, &TreeData), pose: &RelativePose) -> [(Vec3, f32); 2] {
+    let ((center_a, radius_a), (center_b, radius_b)) = (a.root().get(0), b.root().get(0));
+    let ball_b = (pose.transform_point(center_b), radius_b * pose.scale + pose.skin_b);
+    [(center_a, radius_a + pose.skin_a), ball_b]
 }
 
 /// Sums over all pairs of overlapping spheres.
@@ -56,6 +59,10 @@ pub(super) fn totals<const STIFFNESS: bool>(
     grids: GridPair,
     workspace: &mut OverlapWorkspace,
 ) -> Totals {
+    let [(center_a, radius_a), (center_b, radius_b)] = bounding_balls(trees, grids.pose);
+    if center_a.distance(center_b) > radius_a + radius_b {
+        return Totals::default();
+    }
     let run = |task: &Task, scratch: &mut GridScratch| {
         let mut sink = GridSink { totals: TotalsSink::<STIFFNESS>::new(trees, grids.pose), grids };
         dispatch!(simd_level(), simd => grids.find_pairs(simd, task, scratch, &mut sink));

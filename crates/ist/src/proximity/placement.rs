@@ -81,11 +81,13 @@ impl Placement {
     /// Eight of them.
     #[inline(always)]
     pub(super) fn transform_lanes<S: Simd>(&self, [x, y, z, radius]: [f32x8<S>; 4]) -> [f32x8<S>; 4] {
-        let row = |i: usize| {
-            let row = self.linear.row(i);
-            x * row.x + y * row.y + z * row.z + self.translation[i]
-        };
-        [row(0), row(1), row(2), radius * self.scale]
+        let (m, t) = (&self.linear, self.translation);
+        [
+            x * m.x_axis.x + y * m.y_axis.x + z * m.z_axis.x + t.x,
+            x * m.x_axis.y + y * m.y_axis.y + z * m.z_axis.y + t.y,
+            x * m.x_axis.z + y * m.y_axis.z + z * m.z_axis.z + t.z,
+            radius * self.scale,
+        ]
     }
 
     /// Ball `i` of B's tree in A's frame (m), without the rounding of the search.
