@@ -3,14 +3,14 @@
 //! Found anew from the predicted motion before every step, not from Rapier's contact graph, which is as old as the last
 //! detection: a pair that begins to overlap now is pushed now.
 
-use crate::IstShape;
 use crate::lookahead::Displacement;
+use crate::{IstShape, WorldParts};
 use rapier3d::dynamics::{RigidBody, RigidBodyHandle};
 use rapier3d::geometry::{Collider, ColliderHandle, SolverFlags};
 use rapier3d::math::Pose;
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::parry::partitioning::{Bvh, BvhBuildStrategy};
-use rapier3d::pipeline::{ActiveHooks, PairFilterContext, PhysicsHooks, PhysicsWorld};
+use rapier3d::pipeline::{ActiveHooks, PairFilterContext, PhysicsHooks};
 use std::collections::HashSet;
 
 /// Two colliders near each other, of which at least one is an inner sphere tree; the smaller handle first.
@@ -25,7 +25,7 @@ pub(crate) struct Candidate {
 
 /// All pairs whose boxes overlap and which Rapier would let collide, sorted by handles.
 pub(crate) fn candidates(
-    world: &PhysicsWorld,
+    world: &WorldParts<'_>,
     hooks: &dyn PhysicsHooks,
     switched_on: &HashSet<ColliderHandle>,
 ) -> Vec<Candidate> {
@@ -64,7 +64,7 @@ pub(crate) fn candidates(
 }
 
 /// Pose of a collider after all changes that the user made since the last step, and its motion in the next.
-fn motion(world: &PhysicsWorld, collider: &Collider) -> (Pose, Displacement) {
+fn motion(world: &WorldParts<'_>, collider: &Collider) -> (Pose, Displacement) {
     let parent = collider.parent().and_then(|parent| world.bodies.get(parent));
     let (Some(body), Some(local)) = (parent, collider.position_wrt_parent()) else {
         return (*collider.position(), Displacement::default());
@@ -82,7 +82,7 @@ struct Near<'a> {
 
 /// Everything that can forbid a contact in Rapier.
 struct Filter<'a> {
-    world: &'a PhysicsWorld,
+    world: &'a WorldParts<'a>,
     hooks: &'a dyn PhysicsHooks,
     switched_on: &'a HashSet<ColliderHandle>,
 }
@@ -141,8 +141,8 @@ impl Filter<'_> {
             return true;
         }
         let context = PairFilterContext {
-            bodies: &self.world.bodies,
-            colliders: &self.world.colliders,
+            bodies: self.world.bodies,
+            colliders: self.world.colliders,
             collider1: a.handle,
             collider2: b.handle,
             rigid_body1: a.collider.parent(),

@@ -51,6 +51,7 @@ pub mod record;
 mod report;
 mod response;
 mod shape;
+mod world_parts;
 
 pub use dispatcher::IstDispatcher;
 #[cfg(feature = "packer")]
@@ -59,6 +60,7 @@ pub use model::{ContactModel, Stiffness, VolumePenalty};
 pub use plugin::IstPlugin;
 pub use report::{PairContact, StepReport};
 pub use shape::IstShape;
+pub use world_parts::WorldParts;
 
 // The README's code, compiled with the tests.
 #[cfg(doctest)]

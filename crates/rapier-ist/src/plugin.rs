@@ -4,9 +4,9 @@ use crate::candidates::candidates;
 use crate::hooks::PenaltyHooks;
 use crate::query::contacts;
 use crate::response::{UserForces, respond};
-use crate::{ContactModel, IstDispatcher, IstShape, StepReport};
+use crate::{ContactModel, IstDispatcher, IstShape, StepReport, WorldParts};
 use ist::{InnerSphere, SolidProperties, SpherePacking};
-use rapier3d::geometry::ColliderHandle;
+use rapier3d::geometry::{ColliderHandle, NarrowPhase};
 use rapier3d::math::{Pose, Vector};
 use rapier3d::parry::query::{DefaultQueryDispatcher, QueryDispatcher};
 use rapier3d::pipeline::{ActiveHooks, EventHandler, PhysicsHooks, PhysicsWorld};
@@ -33,7 +33,7 @@ impl IstPlugin {
     /// `world.narrow_phase.set_query_dispatcher(IstDispatcher.chain(yours))`.
     pub fn install(world: &mut PhysicsWorld) -> Self {
         let plugin = Self::default();
-        plugin.ensure_dispatcher(world);
+        ensure_dispatcher(&mut world.narrow_phase);
         plugin
     }
 
@@ -49,25 +49,36 @@ impl IstPlugin {
         hooks: &dyn PhysicsHooks,
         events: &dyn EventHandler,
     ) -> &StepReport {
+        self.step_parts(world.into(), hooks, events)
+    }
+
+    /// As [`Self::step_with_events`], for those who keep their own sets.
+    pub fn step_parts(
+        &mut self,
+        mut world: WorldParts<'_>,
+        hooks: &dyn PhysicsHooks,
+        events: &dyn EventHandler,
+    ) -> &StepReport {
+        let world = &mut world;
         let start = Instant::now();
         self.report = StepReport::default();
-        self.ensure_dispatcher(world);
+        ensure_dispatcher(world.narrow_phase);
         match self.model {
             ContactModel::VolumePenalty(penalty) => {
                 self.switch_filters_on(world);
                 let candidates = candidates(world, hooks, &self.switched_on);
-                let contacts = contacts(&world.colliders, &candidates);
+                let contacts = contacts(world.colliders, &candidates);
                 self.report.query_seconds = start.elapsed().as_secs_f64();
                 let forces = respond(world, contacts, &penalty, &mut self.report.contacts);
                 self.report.solve_seconds = start.elapsed().as_secs_f64() - self.report.query_seconds;
                 let user_forces = UserForces::suspend(world, forces);
                 let hooks = PenaltyHooks { user: hooks, switched_on: &self.switched_on };
-                world.step_with_events(&hooks, events);
+                world.step(&hooks, events);
                 user_forces.restore(world);
             }
             ContactModel::VolumeManifold => {
                 self.switch_filters_off(world);
-                world.step_with_events(hooks, events);
+                world.step(hooks, events);
             }
         }
         self.report.step_seconds = start.elapsed().as_secs_f64();
@@ -80,20 +91,8 @@ impl IstPlugin {
         &self.report
     }
 
-    /// Installs the dispatcher unless the one in place knows inner sphere trees. A world that was restored from a
-    /// snapshot has Rapier's default again, and its bodies would silently fall through each other.
-    fn ensure_dispatcher(&self, world: &mut PhysicsWorld) {
-        let probe = probe();
-        let known = probe.as_ref().is_none_or(|probe| {
-            world.narrow_phase.query_dispatcher().intersection_test(&Pose::IDENTITY, probe, probe).is_ok()
-        });
-        if !known {
-            world.narrow_phase.set_query_dispatcher(IstDispatcher.chain(DefaultQueryDispatcher));
-        }
-    }
-
     /// Rapier asks its hooks about a pair only where a collider wants that.
-    fn switch_filters_on(&mut self, world: &mut PhysicsWorld) {
+    fn switch_filters_on(&mut self, world: &mut WorldParts<'_>) {
         self.switched_on.retain(|handle| world.colliders.contains(*handle));
         let missing: Vec<_> =
             solids(world).filter(|(_, hooks)| !hooks.contains(ActiveHooks::FILTER_CONTACT_PAIRS)).collect();
@@ -105,7 +104,7 @@ impl IstPlugin {
         }
     }
 
-    fn switch_filters_off(&mut self, world: &mut PhysicsWorld) {
+    fn switch_filters_off(&mut self, world: &mut WorldParts<'_>) {
         for handle in self.switched_on.drain() {
             if let Some(collider) = world.colliders.get_mut(handle) {
                 collider.set_active_hooks(collider.active_hooks() - ActiveHooks::FILTER_CONTACT_PAIRS);
@@ -114,8 +113,20 @@ impl IstPlugin {
     }
 }
 
+/// Installs the dispatcher unless the one in place knows inner sphere trees. A world that was restored from a snapshot has
+/// Rapier's default again, and its bodies would silently fall through each other.
+fn ensure_dispatcher(narrow_phase: &mut NarrowPhase) {
+    let probe = probe();
+    let known = probe.as_ref().is_none_or(|probe| {
+        narrow_phase.query_dispatcher().intersection_test(&Pose::IDENTITY, probe, probe).is_ok()
+    });
+    if !known {
+        narrow_phase.set_query_dispatcher(IstDispatcher.chain(DefaultQueryDispatcher));
+    }
+}
+
 /// Handles and hooks of the colliders with an [`IstShape`].
-fn solids(world: &PhysicsWorld) -> impl Iterator<Item = (ColliderHandle, ActiveHooks)> + '_ {
+fn solids<'a>(world: &'a WorldParts<'_>) -> impl Iterator<Item = (ColliderHandle, ActiveHooks)> + 'a {
     let solid = |collider: &rapier3d::geometry::Collider| collider.shape().as_shape::<IstShape>().is_some();
     world.colliders.iter().filter(move |(_, c)| solid(c)).map(|(handle, c)| (handle, c.active_hooks()))
 }

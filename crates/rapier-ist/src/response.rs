@@ -2,11 +2,10 @@
 
 use crate::penalty::{Island, Material, PairContacts, Screw, SolverBody, islands};
 use crate::query::Contact;
-use crate::{PairContact, Stiffness, VolumePenalty};
+use crate::{PairContact, Stiffness, VolumePenalty, WorldParts};
 use rapier3d::dynamics::{CoefficientCombineRule, RigidBody, RigidBodyHandle};
 use rapier3d::geometry::Collider;
 use rapier3d::math::{Real, Vector};
-use rapier3d::pipeline::PhysicsWorld;
 
 /// Stiffness of [`Stiffness::Automatic`] in units of weight per cubed size; see [`automatic_stiffness`].
 ///
@@ -34,7 +33,7 @@ pub(crate) struct BodyForce {
 
 /// Solves for the contact forces of one step and reports them pair by pair.
 pub(crate) fn respond(
-    world: &mut PhysicsWorld,
+    world: &mut WorldParts<'_>,
     contacts: Vec<Contact>,
     penalty: &VolumePenalty,
     report: &mut Vec<PairContact>,
@@ -69,7 +68,7 @@ struct Bodies {
 }
 
 impl Bodies {
-    fn new(world: &PhysicsWorld, contacts: &[Contact]) -> Self {
+    fn new(world: &WorldParts<'_>, contacts: &[Contact]) -> Self {
         let colliders = contacts.iter().flat_map(|contact| contact.candidate.colliders);
         let mut handles: Vec<_> = colliders.filter_map(|c| world.colliders.get(c)?.parent()).collect();
         handles.sort_unstable_by_key(|handle| handle.into_raw_parts());
@@ -83,7 +82,7 @@ impl Bodies {
         Self { handles: std::iter::once(None).chain(handles.into_iter().map(Some)).collect(), states }
     }
 
-    fn pair(&self, world: &PhysicsWorld, contact: &Contact) -> [usize; 2] {
+    fn pair(&self, world: &WorldParts<'_>, contact: &Contact) -> [usize; 2] {
         contact.candidate.colliders.map(|collider| {
             let parent = world.colliders.get(collider).and_then(Collider::parent);
             let key = parent.map(RigidBodyHandle::into_raw_parts);
@@ -162,7 +161,7 @@ fn collect(
     moved.filter_map(force).collect()
 }
 
-fn material(world: &PhysicsWorld, contact: &Contact, penalty: &VolumePenalty) -> Material {
+fn material(world: &WorldParts<'_>, contact: &Contact, penalty: &VolumePenalty) -> Material {
     let [a, b] = contact.candidate.colliders.map(|handle| world.colliders[handle].material());
     let combine = CoefficientCombineRule::combine;
     let unit = f64::from(world.integration_parameters.length_unit);
@@ -192,7 +191,7 @@ fn material(world: &PhysicsWorld, contact: &Contact, penalty: &VolumePenalty) ->
 
 /// Stiffness (N/m³) at which the lighter body's weight makes it sink by a small share of the smaller body's size L:
 /// weight = k A d, with the contact's cross-section A and depth d in units of L² and L.
-fn automatic_stiffness(world: &PhysicsWorld, contact: &Contact) -> f64 {
+fn automatic_stiffness(world: &WorldParts<'_>, contact: &Contact) -> f64 {
     let mass = |handle| {
         let body = world.bodies.get(world.colliders.get(handle)?.parent()?).filter(|b| b.is_dynamic())?;
         Some(f64::from(body.mass()))
@@ -207,7 +206,7 @@ fn automatic_stiffness(world: &PhysicsWorld, contact: &Contact) -> f64 {
 }
 
 /// Wakes sleeping bodies that something moving touches.
-fn wake_touched_bodies(world: &mut PhysicsWorld, contacts: &[Contact]) {
+fn wake_touched_bodies(world: &mut WorldParts<'_>, contacts: &[Contact]) {
     let speed = WAKE_SPEED as Real * world.integration_parameters.length_unit;
     for contact in contacts {
         let parents =
@@ -219,7 +218,7 @@ fn wake_touched_bodies(world: &mut PhysicsWorld, contacts: &[Contact]) {
             !b.is_sleeping() && b.velocity_at_point(contact.samples[0].point).length() > speed
         };
         if let (true, Some(handle)) = (body(1 - sleeper).is_some_and(moving), parents[sleeper]) {
-            world.islands.wake_up(&mut world.bodies, handle, true);
+            world.islands.wake_up(world.bodies, handle, true);
         }
     }
 }
@@ -233,7 +232,7 @@ impl UserForces {
     /// The solve is for a body that moves at its final velocity through the whole step. Rapier moves bodies in
     /// substeps and adds external forces bit by bit, so an impulse alone would lift a resting body before gravity
     /// brings it down again, and a force alone would let an arriving body move on through the contact.
-    pub(crate) fn suspend(world: &mut PhysicsWorld, forces: Vec<BodyForce>) -> Self {
+    pub(crate) fn suspend(world: &mut WorldParts<'_>, forces: Vec<BodyForce>) -> Self {
         let dt = world.integration_parameters.dt;
         let mut before = Vec::with_capacity(forces.len());
         for BodyForce { handle, contact, external } in forces {
@@ -249,7 +248,7 @@ impl UserForces {
     }
 
     /// Gives the user's forces back, bit for bit.
-    pub(crate) fn restore(self, world: &mut PhysicsWorld) {
+    pub(crate) fn restore(self, world: &mut WorldParts<'_>) {
         for (handle, force, torque) in self.0 {
             let Some(body) = world.bodies.get_mut(handle) else { continue };
             body.reset_forces(false);
