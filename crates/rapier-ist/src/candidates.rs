@@ -7,7 +7,7 @@ use crate::lookahead::Displacement;
 use crate::{IstShape, WorldParts};
 use rapier3d::dynamics::{RigidBody, RigidBodyHandle};
 use rapier3d::geometry::{Collider, ColliderHandle, SolverFlags};
-use rapier3d::math::Pose;
+use rapier3d::math::{Pose, Real};
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::parry::partitioning::{Bvh, BvhBuildStrategy};
 use rapier3d::pipeline::{ActiveHooks, PairFilterContext, PhysicsHooks};
@@ -21,6 +21,8 @@ pub(crate) struct Candidate {
     pub(crate) poses: [Pose; 2],
     /// What the bodies would do during the step if nothing stopped them.
     pub(crate) displacements: [Displacement; 2],
+    /// Longest side (m) of the smaller collider's box, in its own frame.
+    pub(crate) size: Real,
 }
 
 /// All pairs whose boxes overlap and which Rapier would let collide, sorted by handles.
@@ -95,6 +97,7 @@ impl Filter<'_> {
                 colliders: [a.handle, b.handle],
                 poses: [a.pose, b.pose],
                 displacements: [a.displacement, b.displacement],
+                size: longest_side(a.collider).min(longest_side(b.collider)),
             });
         }
     }
@@ -151,4 +154,8 @@ impl Filter<'_> {
         let flags = self.hooks.filter_contact_pair(&context);
         flags.is_some_and(|flags| flags.contains(SolverFlags::COMPUTE_RIGID_IMPULSES))
     }
+}
+
+fn longest_side(collider: &Collider) -> Real {
+    collider.shape().compute_local_aabb().extents().max_element()
 }

@@ -42,6 +42,7 @@ mod dispatcher;
 mod from_mesh;
 mod hooks;
 mod lookahead;
+mod memory;
 mod model;
 mod penalty;
 mod plugin;

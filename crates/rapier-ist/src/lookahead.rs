@@ -8,6 +8,7 @@ use crate::penalty::Screw;
 use rapier3d::dynamics::{RigidBody, RigidBodyType};
 use rapier3d::glamx::DVec3;
 use rapier3d::math::{Pose, Real, Rotation};
+use std::ops::Sub;
 
 /// A small rigid displacement about a body's centre of mass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,6 +36,11 @@ impl Displacement {
         Self { center, screw: if screw.is_finite() { screw } else { Screw::ZERO } }
     }
 
+    /// About the centre of mass `center`.
+    pub(crate) fn new(center: DVec3, screw: Screw) -> Self {
+        Self { center, screw }
+    }
+
     /// The first `share` of the displacement, 0 to 1.
     pub(crate) fn part(&self, share: f64) -> Self {
         Self { center: self.center, screw: self.screw * share }
@@ -60,6 +66,14 @@ impl Displacement {
     /// How far the point that ends up at `point` has moved (m).
     pub(crate) fn at(&self, point: DVec3) -> DVec3 {
         self.screw.linear + self.screw.angular.cross(point - self.center - self.screw.linear)
+    }
+}
+
+/// The displacement that leads from the end of the other to the end of this one, to first order.
+impl Sub for Displacement {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        Self { center: self.center, screw: self.screw - other.screw }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::candidates::candidates;
 use crate::hooks::PenaltyHooks;
-use crate::query::contacts;
+use crate::memory::Memory;
 use crate::response::{UserForces, respond};
 use crate::{ContactModel, IstDispatcher, IstShape, StepReport, WorldParts};
 use ist::{InnerSphere, SolidProperties, SpherePacking};
@@ -22,6 +22,7 @@ pub struct IstPlugin {
     /// How overlap turns into motion; may be changed between steps.
     pub model: ContactModel,
     report: StepReport,
+    memory: Memory,
     /// Colliders whose contact filter the plugin switched on.
     switched_on: HashSet<ColliderHandle>,
 }
@@ -67,10 +68,7 @@ impl IstPlugin {
             ContactModel::VolumePenalty(penalty) => {
                 self.switch_filters_on(world);
                 let candidates = candidates(world, hooks, &self.switched_on);
-                let contacts = contacts(world.colliders, &candidates);
-                self.report.query_seconds = start.elapsed().as_secs_f64();
-                let forces = respond(world, contacts, &penalty, &mut self.report.contacts);
-                self.report.solve_seconds = start.elapsed().as_secs_f64() - self.report.query_seconds;
+                let forces = respond(world, candidates, &penalty, (&mut self.report, &mut self.memory));
                 let user_forces = UserForces::suspend(world, forces);
                 let hooks = PenaltyHooks { user: hooks, switched_on: &self.switched_on };
                 world.step(&hooks, events);

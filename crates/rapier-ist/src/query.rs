@@ -19,23 +19,21 @@ pub(crate) struct Contact {
     pub(crate) displacements: [Displacement; 2],
     /// World frame; normals from the first collider to the second.
     pub(crate) samples: Vec<ContactSample>,
-    /// Longest side (m) of the smaller collider's box, in its own frame.
-    pub(crate) size: Real,
 }
 
 /// Runs the overlap query of every candidate, in parallel with feature `parallel`, and keeps the order.
-pub(crate) fn contacts(colliders: &ColliderSet, candidates: &[Candidate]) -> Vec<Contact> {
+pub(crate) fn contacts(colliders: &ColliderSet, candidates: &[Candidate]) -> Vec<Option<Contact>> {
     let query =
         |workspace: &mut OverlapWorkspace, candidate: &Candidate| contact(colliders, candidate, workspace);
     #[cfg(feature = "parallel")]
     {
         use rayon::prelude::*;
-        candidates.par_iter().map_init(OverlapWorkspace::default, query).flatten_iter().collect()
+        candidates.par_iter().map_init(OverlapWorkspace::default, query).collect()
     }
     #[cfg(not(feature = "parallel"))]
     {
         let mut workspace = OverlapWorkspace::default();
-        candidates.iter().filter_map(|candidate| query(&mut workspace, candidate)).collect()
+        candidates.iter().map(|candidate| query(&mut workspace, candidate)).collect()
     }
 }
 
@@ -62,9 +60,7 @@ fn contact(
         measure((&solids, shapes), &poses, workspace, &mut samples);
         (!samples.is_empty()).then_some(displacements)
     })?;
-    let longest = |shape: &dyn Shape| shape.compute_local_aabb().extents().max_element();
-    let size = longest(shapes[0]).min(longest(shapes[1]));
-    Some(Contact { candidate: *candidate, displacements, samples, size })
+    Some(Contact { candidate: *candidate, displacements, samples })
 }
 
 /// At how many poses along its way a pair is looked at.

@@ -1,7 +1,11 @@
 //! Scenes, built once for examples, tests and benchmarks.
 
+mod inside;
 mod model;
 mod pile;
+mod rings;
 
+pub use inside::Inside;
 pub use model::{Model, ShapeKind, single_precision};
 pub use pile::{Pile, PileBody, PileOptions, asset_folder};
+pub use rings::{Chain, RING_MAJOR, RING_MINOR, Stack, ring_shape};

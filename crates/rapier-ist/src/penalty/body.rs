@@ -71,6 +71,13 @@ impl SolverBody {
         self.root_linear != DVec3::ZERO || self.root_angular != DMat3::ZERO
     }
 
+    /// Velocity along `direction` that a unit impulse along it at the point `at` gives that point (1/kg).
+    pub(crate) fn compliance(&self, at: DVec3, direction: DVec3) -> f64 {
+        let wrench = Screw { linear: direction, angular: (at - self.center_of_mass).cross(direction) };
+        let half = self.root_transpose_times(wrench);
+        half.dot(half)
+    }
+
     /// `L v`.
     pub(crate) fn root_times(&self, v: Screw) -> Screw {
         Screw { linear: self.root_linear * v.linear, angular: self.root_angular * v.angular }

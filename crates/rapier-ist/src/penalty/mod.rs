@@ -18,14 +18,17 @@
 
 mod body;
 mod island;
+mod material;
 mod pair;
 mod patch;
+mod sample;
 mod system;
 mod twist;
 
 pub(crate) use body::SolverBody;
 pub(crate) use island::islands;
-pub(crate) use pair::{Material, PairContacts};
+pub(crate) use material::{Impact, Material};
+pub(crate) use pair::PairContacts;
 pub(crate) use system::Island;
 pub(crate) use twist::Screw;
 
@@ -55,7 +58,8 @@ impl Island {
         self.pairs[pair].wrench(self.pair_twist(pair))
     }
 
-    fn pair_twist(&self, pair: usize) -> Screw {
+    /// Relative velocity of pair `pair` at the end of the step, at its origin.
+    pub(crate) fn pair_twist(&self, pair: usize) -> Screw {
         self.pairs[pair].relative_twist(&self.bodies, |i| self.final_twist(i))
     }
 }

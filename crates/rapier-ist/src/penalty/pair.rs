@@ -1,28 +1,19 @@
 //! The contact of one pair of bodies inside the penalty solve.
 
 use super::body::SolverBody;
+use super::material::{Impact, Material};
 use super::patch::patches;
+use super::sample::Sample;
 use super::twist::{Screw, Symmetric6};
 use crate::lookahead::Displacement;
+use crate::memory::PairMemory;
 use crate::query::Contact;
+use ist::ContactSample;
 use rapier3d::glamx::{DMat3, DVec3};
 
-/// Material of a pair of colliders, after Rapier's combine rules.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Material {
-    /// Force per overlap volume (N/m³).
-    pub(crate) stiffness: f64,
-    /// Hunt–Crossley dissipation (s/m).
-    pub(crate) dissipation: f64,
-    pub(crate) friction: f64,
-    pub(crate) restitution: f64,
-    /// Slip speed under which friction is viscous (m/s).
-    pub(crate) creep_speed: f64,
-    /// Fastest that overlap alone may push bodies apart (m/s), positive.
-    pub(crate) recovery_speed: f64,
-    /// Approach speed from which on a contact rebounds (m/s).
-    pub(crate) rebound_speed: f64,
-}
+/// A contact is an impact if it can stop the bodies within a step, `h² k A > STOPS_WITHIN_A_STEP · m`: it then has the whole
+/// rebound at once. Softer ones rebound over several steps by their dissipation.
+const STOPS_WITHIN_A_STEP: f64 = 0.5;
 
 /// Contact samples between bodies `a` and `b` and the wrench they exert, linearised in the final velocity.
 #[derive(Clone, Debug)]
@@ -35,24 +26,11 @@ pub(crate) struct PairContacts {
     pub(crate) depth: f64,
     material: Material,
     samples: Vec<Sample>,
+    impact: Impact,
     /// Wrench on b at zero relative velocity.
     offset: Screw,
     /// What a relative twist takes away from it.
     damping: Symmetric6,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Sample {
-    /// From the origin of the pair.
-    arm: DVec3,
-    normal: DVec3,
-    /// k V (h/D + δ), with the depth D of the patch.
-    damping: f64,
-    /// Final normal velocity (m/s) at which the force is zero.
-    free_speed: f64,
-    /// Normal force at the end of the step as last computed; zero where the contact lets go.
-    force: f64,
-    slip: f64,
 }
 
 impl PairContacts {
@@ -60,7 +38,7 @@ impl PairContacts {
     pub(crate) fn new(
         bodies: [usize; 2],
         states: [&SolverBody; 2],
-        material: Material,
+        (material, memory): (Material, PairMemory),
         contact: &Contact,
         dt: f64,
     ) -> Self {
@@ -70,61 +48,112 @@ impl PairContacts {
         let back = backtracking(states, contact.displacements);
         let origin = moment / volume.max(f64::MIN_POSITIVE);
         let origin = origin - back(origin);
-        let before = relative_twist(states, origin);
+        let before = relative_twist(states.map(|state| (state, state.velocity)), origin);
+        let free = relative_twist(states.map(|state| (state, state.predicted)), origin);
         let patches = patches(&contact.samples);
+        let whole = material.stiffness * volume;
         let depth = patches.iter().map(|patch| patch.depth).fold(0.0, f64::max);
-        let samples = patches.iter().flat_map(|patch| patch.samples.iter().map(|&s| (s, patch.depth)));
-        let samples = samples.map(|(s, depth)| {
+        let place = |point: DVec3| point - back(point) - origin;
+        let approach = |s: &ContactSample| {
+            -before.twist_at(place(s.point.as_dvec3())).linear.dot(s.normal.as_dvec3()) * f64::from(s.volume)
+        };
+        let approach = contact.samples.iter().map(approach).sum::<f64>() / volume.max(f64::MIN_POSITIVE);
+        let mut impact = memory.impact;
+        if approach > material.rebound_speed {
+            impact = Impact { speed: impact.speed.max(approach), rebounded: false };
+        }
+        let dissipation = material.dissipation(impact);
+        let rebound = (approach > material.rebound_speed)
+            .then_some(material.restitution * impact.speed / approach)
+            .filter(|factor| *factor > 0.0);
+        let samples = patches.iter().flat_map(|patch| {
+            let push: f64 =
+                patch.samples.iter().map(|s| f64::from(s.volume)).sum::<f64>() * material.stiffness;
+            patch.samples.iter().map(move |&s| (s, patch.depth, push))
+        });
+        let samples = samples.map(|(s, depth, push)| {
             let point = s.point.as_dvec3();
-            let arm = point - back(point) - origin;
+            let arm = place(point);
             let normal = s.normal.as_dvec3();
             let velocity = before.twist_at(arm).linear;
-            let approach = velocity.dot(normal);
-            let rate = dt / depth + material.dissipation;
             let moved = (displacement_b.at(point) - displacement_a.at(point)).dot(normal) / dt;
-            let rebounds = material.restitution > 0.0 && approach < -material.rebound_speed;
-            let rebound = if rebounds { -material.restitution * approach } else { f64::NEG_INFINITY };
-            // What would push faster than the recovery speed is damped more, with the same force at rest.
-            let at_rest = material.stiffness * f64::from(s.volume) * (1.0 + rate * moved);
-            let free_speed = (moved + 1.0 / rate).min(material.recovery_speed);
-            let damping = (at_rest / free_speed).max(material.stiffness * f64::from(s.volume) * rate);
-            let free_speed = free_speed.max(rebound);
-            let force = (damping * (free_speed - approach)).max(0.0);
-            Sample { arm, normal, damping, free_speed, force, slip: slip(velocity, normal) }
+            let compliance: f64 = states.iter().map(|state| state.compliance(origin + arm, normal)).sum();
+            let gain = push * compliance * dt;
+            let (rate, inward) = (dt / depth, -velocity.dot(normal));
+            let rebound = rebound.filter(|_| inward > 0.0 && gain * rate > STOPS_WITHIN_A_STEP);
+            let mut sample = Sample {
+                arm,
+                normal,
+                push: material.stiffness * f64::from(s.volume),
+                rate,
+                moved,
+                dissipation,
+                rebound: rebound.map_or(f64::NEG_INFINITY, |factor| factor * inward),
+                velocity,
+                force: 0.0,
+                damping: 0.0,
+            };
+            let guess = if memory.force > 0.0 {
+                sample.velocity_at(memory.force / whole)
+            } else {
+                sample.guess(gain, free.twist_at(arm).linear.dot(normal))
+            };
+            sample.linearize_at(velocity + normal * (guess + inward));
+            sample
         });
         let samples = samples.collect();
-        Self { bodies, origin, depth, material, samples, offset: Screw::ZERO, damping: Symmetric6::ZERO }
+        let (offset, damping) = (Screw::ZERO, Symmetric6::ZERO);
+        Self { bodies, origin, depth, material, samples, impact, offset, damping }
     }
 
-    /// Linearises the wrench about the forces and slips of the last pass.
+    /// Linearises the wrench about the velocities of the last pass.
     ///
-    /// Per sample the force on b is `n c_n (u_0 − n·u) − c_t (u − n n·u)` with `c_n = k V (h/D + δ)` and the
-    /// regularised Coulomb coefficient `c_t = μ f / max(|u_t|, u_creep)` of the last pass.
+    /// Per sample the force on b is `n (f + c_n n·(u_0 − u)) − c_t (u − n n·u)` with the tangent of the normal force at
+    /// u_0 and the regularised Coulomb coefficient `c_t = μ f / max(|u_t|, u_creep)` there.
     pub(crate) fn linearize(&mut self) {
         (self.offset, self.damping) = (Screw::ZERO, Symmetric6::ZERO);
         for s in self.samples.iter().filter(|s| s.force > 0.0) {
-            let tangential = self.material.friction * s.force / s.slip.max(self.material.creep_speed);
+            let tangential = friction_damping(&self.material, s);
             let outer = DMat3::from_cols(s.normal * s.normal.x, s.normal * s.normal.y, s.normal * s.normal.z);
             let damper = outer * (s.damping - tangential) + DMat3::from_diagonal(DVec3::splat(tangential));
             self.damping.add_damper(damper, s.arm);
-            let force = s.normal * (s.damping * s.free_speed);
+            let force = s.normal * (s.force + s.damping * s.velocity.dot(s.normal));
             self.offset += Screw { linear: force, angular: s.arm.cross(force) };
         }
     }
 
-    /// Takes over the relative twist of a solve for the next linearisation: normal forces, contacts that let go or take
-    /// hold, slip. Returns how much the normal forces changed, relative to their sum.
+    /// Takes over the relative twist of a solve for the next linearisation. Returns how far the forces of the law are
+    /// from those of the linearised system, relative to their sum.
     pub(crate) fn update(&mut self, twist: Screw) -> f64 {
         let (mut change, mut total) = (0.0, 0.0);
         for s in &mut self.samples {
-            let velocity = twist.twist_at(s.arm).linear;
-            let force = (s.damping * (s.free_speed - velocity.dot(s.normal))).max(0.0);
-            change += (force - s.force).abs();
-            total += force.max(s.force);
-            s.force = force;
-            s.slip = slip(velocity, s.normal);
+            let (solved, law) = s.update(twist.twist_at(s.arm).linear);
+            change += (solved - law).abs();
+            total += solved.max(law);
         }
         if total > 0.0 { change / total } else { 0.0 }
+    }
+
+    /// What to remember of the pair after a step at the relative twist `twist`.
+    pub(crate) fn memory(&self, twist: Screw) -> PairMemory {
+        let (mut force, mut power) = (0.0, 0.0);
+        for s in &self.samples {
+            force += s.force;
+            power += s.force * twist.twist_at(s.arm).linear.dot(s.normal);
+        }
+        let rebounded = self.impact.rebounded || (self.impact.speed > 0.0 && power > 0.0);
+        PairMemory { force, impact: Impact { rebounded, ..self.impact } }
+    }
+
+    /// How far from the poses at which it was measured the contact is after a step at the relative twist `twist`, in units of
+    /// the depth: a mean weighted by force.
+    pub(crate) fn strain(&self, twist: Screw) -> f64 {
+        let (mut strain, mut force) = (0.0, f64::MIN_POSITIVE);
+        for s in &self.samples {
+            strain += s.force * s.strain(twist.twist_at(s.arm).linear);
+            force += s.force;
+        }
+        strain / force
     }
 
     /// Wrench on b about [`Self::origin`] at the given relative twist.
@@ -157,12 +186,13 @@ fn backtracking(states: [&SolverBody; 2], displacements: [Displacement; 2]) -> i
     move |point| displacements[0].at(point) * weights[0] + displacements[1].at(point) * weights[1]
 }
 
-/// Velocity of the second body relative to the first at `at`, before the step.
-fn relative_twist(states: [&SolverBody; 2], at: DVec3) -> Screw {
-    let [a, b] = states.map(|body| body.velocity.twist_at(at - body.center_of_mass));
+/// Velocity of the second body relative to the first at `at`.
+fn relative_twist(bodies: [(&SolverBody, Screw); 2], at: DVec3) -> Screw {
+    let [a, b] = bodies.map(|(body, twist)| twist.twist_at(at - body.center_of_mass));
     b - a
 }
 
-fn slip(velocity: DVec3, normal: DVec3) -> f64 {
-    (velocity - normal * velocity.dot(normal)).length()
+/// The regularised Coulomb coefficient `μ f / max(|u_t|, u_creep)` (N·s/m).
+fn friction_damping(material: &Material, sample: &Sample) -> f64 {
+    material.friction * sample.force / sample.slip().length().max(material.creep_speed)
 }

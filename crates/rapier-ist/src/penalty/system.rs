@@ -13,6 +13,12 @@ use rapier3d::glamx::DMat3;
 /// the poses they act on.
 const TOLERANCE: f64 = 1e-7;
 
+/// Or where it is this share of what gravity and the user's forces change in the step: 0.2 mm/s on Earth at 60 Hz.
+///
+/// A pile of 100 gears is asleep after 2.4 s with 1e-3 as with 1e-7 and solves take a third less; with 1e-2 it takes
+/// 3.1 s.
+const LOAD_TOLERANCE: f64 = 1e-3;
+
 /// Most iterations; an island of n bodies needs no more than 6 n in exact arithmetic.
 const MAX_ITERATIONS: usize = 400;
 
@@ -26,9 +32,13 @@ pub(crate) struct Island {
 }
 
 impl Island {
-    pub(crate) fn new(bodies: Vec<SolverBody>, pairs: Vec<PairContacts>) -> Self {
-        let state = bodies.iter().map(|body| body.unchanged).collect();
+    pub(crate) fn new(bodies: Vec<SolverBody>, pairs: Vec<PairContacts>, state: Vec<Screw>) -> Self {
         Self { bodies, pairs, state }
+    }
+
+    /// `y` of body `i`, as last solved.
+    pub(crate) fn state(&self, i: usize) -> Screw {
+        self.state[i]
     }
 
     /// Twist of body `i` at the end of the step, as last solved.
@@ -43,7 +53,9 @@ impl Island {
         let rhs = self.right_hand_side(dt);
         let image = self.image(&self.state, dt);
         let mut residual: Vec<Screw> = rhs.iter().zip(&image).map(|(rhs, image)| *rhs - *image).collect();
-        let goal = TOLERANCE * TOLERANCE * dot(&rhs, &rhs);
+        let load: f64 = self.bodies.iter().map(|body| body.unchanged.dot(body.unchanged)).sum();
+        let goal = (TOLERANCE * TOLERANCE * dot(&rhs, &rhs)).max(LOAD_TOLERANCE * LOAD_TOLERANCE * load);
+
         let mut z = apply(&preconditioner, &residual);
         let mut direction = z.clone();
         let mut rz = dot(&residual, &z);

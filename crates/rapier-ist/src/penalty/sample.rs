@@ -1,0 +1,104 @@
+//! The force law at one contact sample.
+
+use rapier3d::glamx::DVec3;
+
+/// A contact sample with its force as a function of the normal velocity `u` at the end of the step.
+///
+/// `f(u) = k V x² (1 − δ u)` with `x = 1 + h (u* − u) / 2D`, where V and D are the volume of the sample and the depth
+/// of its patch at the poses that the velocity u* leads to: the volume of a shallow contact grows with the square of
+/// its depth. `(1 − δ u)` is the dissipation of K. Hunt and F. Crossley, *Coefficient of restitution interpreted
+/// as damping in vibroimpact* (1975). The force never pulls.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sample {
+    /// From the origin of the pair (m).
+    pub(crate) arm: DVec3,
+    pub(crate) normal: DVec3,
+    /// k V, the force at the predicted poses (N).
+    pub(crate) push: f64,
+    /// h/D (s/m).
+    pub(crate) rate: f64,
+    /// Normal velocity that led to the predicted poses, u* (m/s).
+    pub(crate) moved: f64,
+    /// δ (s/m).
+    pub(crate) dissipation: f64,
+    /// Normal velocity up to which a contact that rebounds is pushed (m/s); negative infinity for others.
+    pub(crate) rebound: f64,
+    /// Velocity relative to the first body at which the force was last linearised (m/s).
+    pub(crate) velocity: DVec3,
+    /// Normal force at that velocity (N), and minus its derivative by the normal velocity (N·s/m).
+    pub(crate) force: f64,
+    pub(crate) damping: f64,
+}
+
+impl Sample {
+    /// Linearises the force at `velocity`.
+    pub(crate) fn linearize_at(&mut self, velocity: DVec3) {
+        self.velocity = velocity;
+        (self.force, self.damping) = self.law(velocity.dot(self.normal));
+    }
+
+    /// Linearises the force anew after a solve that gave `velocity`. Returns the normal force that the last
+    /// linearisation gives there, and that of the law.
+    ///
+    /// Where it still pushes, the next tangent is taken where the law gives the solved force, and not at the solved
+    /// velocity: loads are often known better than velocities, and Newton's method on x² halves x at each pass from far
+    /// away.
+    pub(crate) fn update(&mut self, velocity: DVec3) -> (f64, f64) {
+        let u = velocity.dot(self.normal);
+        let before = self.velocity.dot(self.normal);
+        let solved = if self.force > 0.0 { (self.force + self.damping * (before - u)).max(0.0) } else { 0.0 };
+        let (law, _) = self.law(u);
+        let y = 1.0 - self.dissipation * u;
+        if solved > 0.0 && y > 0.0 && u > self.rebound {
+            let at = self.velocity_at(solved / (self.push * y));
+            self.linearize_at(velocity + self.normal * (at - u));
+        } else {
+            self.linearize_at(velocity);
+        }
+        (solved, law)
+    }
+
+    /// Distance of the poses that `velocity` leads to from those at which the sample was measured, along the normal and
+    /// in units of the depth.
+    pub(crate) fn strain(&self, velocity: DVec3) -> f64 {
+        self.rate * (self.moved - velocity.dot(self.normal)).abs()
+    }
+
+    /// Velocity across the normal.
+    pub(crate) fn slip(&self) -> DVec3 {
+        self.velocity - self.normal * self.velocity.dot(self.normal)
+    }
+
+    /// Force at `u` and minus its derivative.
+    fn law(&self, u: f64) -> (f64, f64) {
+        let x = 1.0 + 0.5 * self.rate * (self.moved - u);
+        let y = 1.0 - self.dissipation * u;
+        let overlap = if x <= 0.0 || y <= 0.0 {
+            (0.0, 0.0)
+        } else {
+            (self.push * x * x * y, self.push * x * (self.rate * y + self.dissipation * x))
+        };
+        let damping = self.push * self.rate;
+        let rebound = damping * (self.rebound - u);
+        if rebound > overlap.0 { (rebound, damping) } else { overlap }
+    }
+
+    /// The normal velocity at which the overlap pushes with `share` of its force at the predicted poses, dissipation aside.
+    pub(crate) fn velocity_at(&self, share: f64) -> f64 {
+        self.moved + 2.0 * (1.0 - share.sqrt()) / self.rate
+    }
+
+    /// The normal velocity at which the sample's patch alone would stop bodies whose normal velocity is `free`
+    /// without contact: the root of `u − free = h k V x² / m`, with `gain = h k V / m` for the volume of the patch
+    /// and the bodies' effective mass. A good place for the first tangent.
+    pub(crate) fn guess(&self, gain: f64, free: f64) -> f64 {
+        // With u = u* + 2 (1 − x) / rate this is gain x² + 2 x / rate − c = 0.
+        let c = self.moved + 2.0 / self.rate - free;
+        if c <= 0.0 {
+            return free;
+        }
+        let b = 1.0 / self.rate;
+        let x = c / (b + (b * b + gain * c).sqrt());
+        self.moved + 2.0 * (1.0 - x) / self.rate
+    }
+}
