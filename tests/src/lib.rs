@@ -75,6 +75,12 @@ impl Truth {
         Some([a, b.scaled(self.scale_b)?])
     }
 
+    /// Whether an exact volume is that of the whole smaller body.
+    #[must_use]
+    pub fn is_contained(&self, volume: f64) -> bool {
+        volume >= 0.9999 * self.volume_a.min(self.volume_b)
+    }
+
     /// The band of an exact volume; none for touches under 0.2 % and bodies wholly inside.
     #[must_use]
     pub fn band(&self, volume: f64) -> Option<Band> {

@@ -37,6 +37,7 @@
 
 mod against_shape;
 mod candidates;
+mod containment;
 mod dispatcher;
 #[cfg(feature = "packer")]
 mod from_mesh;

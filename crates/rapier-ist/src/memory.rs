@@ -10,6 +10,8 @@ pub(crate) struct PairMemory {
     /// Sum of the normal forces as last solved (N): where the next solve begins.
     pub(crate) force: f64,
     pub(crate) impact: Impact,
+    /// Mean normal velocity as last solved (m/s).
+    pub(crate) end: f64,
 }
 
 /// All pairs that touch, by their handles.

@@ -1,6 +1,7 @@
 //! Contact samples of all candidate pairs, in the world frame.
 
 use crate::candidates::Candidate;
+use crate::containment::agree_on_direction;
 use crate::lookahead::Displacement;
 use crate::{IstShape, against_shape};
 use ist::{ContactSample, InnerSphereTree, OverlapWorkspace};
@@ -84,6 +85,7 @@ fn measure(
     match (&solids[0], b.as_shape::<IstShape>(), &solids[1]) {
         (Some(solid_a), Some(solid_b), _) => {
             solid_a.contact_samples(solid_b.tree(), &pose_a.inv_mul(pose_b), workspace, samples);
+            agree_on_direction([solid_a, solid_b.tree()], samples);
             to_world(samples, pose_a, 1.0);
         }
         (Some(solid_a), None, _) => {

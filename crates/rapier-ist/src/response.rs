@@ -22,6 +22,11 @@ const RELATIVE_STIFFNESS: f64 = 5e4;
 /// more than gravity adds in a step of 1/60 s. Not tuned.
 const REBOUND_SPEED: f64 = 0.2;
 
+/// Overlap pushes no faster than by the smaller body's longest side in this time (s).
+///
+/// A bunny of 0.2 m inside one of 1 m gets out of all 73 poses: at up to 24 rad/s without this limit, 20 with 0.3 s and 17 with 0.4 s.
+const RECOVERY_TIME: f64 = 0.4;
+
 /// Speed (m/s, times `length_unit`) of a contact point from which on it wakes a sleeping body.
 const WAKE_SPEED: f64 = 0.05;
 
@@ -69,7 +74,7 @@ pub(crate) fn respond(
         let next = timed(&mut report.query_seconds, || contacts(world.colliders, &moved));
         // Where nothing overlaps any more the tangent that pushed the pair apart still holds.
         let mut anew: Vec<_> = stale.into_iter().zip(next).filter(|(_, next)| next.is_some()).collect();
-        if anew.is_empty() {
+        if anew.is_empty() && !solution.solved.iter().any(|pair| pair.should_rebound) {
             break solution;
         }
         for (index, next) in anew.drain(..) {
@@ -171,7 +176,7 @@ fn solve(
         .iter()
         .map(|contact| {
             let of = |memory: &Memory| memory.get(&contact.candidate.colliders).copied().unwrap_or_default();
-            let memory = PairMemory { force: of(memory).force, impact: of(before).impact };
+            let memory = PairMemory { impact: of(before).impact, ..of(memory) };
             (material(world, contact, penalty), memory)
         })
         .collect();
@@ -235,6 +240,7 @@ struct Solved {
     wrench: Screw,
     relative_velocity: Screw,
     memory: PairMemory,
+    should_rebound: bool,
     /// How far from where it was measured the contact ends up, in units of its depth.
     strain: f64,
 }
@@ -267,6 +273,7 @@ fn solve_island(
         depth: island.pairs[index].depth,
         wrench: island.pair_wrench(index),
         memory: island.pairs[index].memory(island.pair_twist(index)),
+        should_rebound: island.pairs[index].should_rebound(island.pair_twist(index)),
         strain: island.pairs[index].strain(island.pair_twist(index)),
         relative_velocity: island.pairs[index].relative_twist(&island.bodies, |i| island.bodies[i].velocity),
     });
@@ -328,7 +335,9 @@ fn material(world: &WorldParts<'_>, contact: &Contact, penalty: &VolumePenalty) 
         .clamp(0.0, 1.0)
         .into(),
         creep_speed: (f64::from(penalty.creep_speed) * unit).max(f64::MIN_POSITIVE),
-        recovery_speed: (f64::from(penalty.recovery_speed) * unit).max(f64::MIN_POSITIVE),
+        recovery_speed: (f64::from(penalty.recovery_speed) * unit)
+            .min(f64::from(contact.candidate.size) / RECOVERY_TIME)
+            .max(f64::MIN_POSITIVE),
         rebound_speed: REBOUND_SPEED * unit,
     }
 }

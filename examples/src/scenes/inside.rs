@@ -18,6 +18,8 @@ pub struct Inside {
     pub large: RigidBodyHandle,
     /// The small one.
     pub small: RigidBodyHandle,
+    /// Size of the small one in units of its model's.
+    scale: f32,
 }
 
 impl Inside {
@@ -31,6 +33,16 @@ impl Inside {
         let (large, _) = world.insert(RigidBodyBuilder::dynamic(), large.collider(1.0, density)?);
         let (small, _) =
             world.insert(RigidBodyBuilder::dynamic().pose(pose), small.collider(scale, density)?);
-        Ok(Self { world, plugin, large, small })
+        Ok(Self { world, plugin, large, small, scale })
+    }
+
+    /// Share of the small mesh's vertices inside the large mesh, given what the scene was made of.
+    #[must_use]
+    pub fn share_inside(&self, large: &Model, small: &Model) -> f64 {
+        let [a, b] = [self.large, self.small].map(|handle| *self.world.bodies[handle].position());
+        let pose = a.inv_mul(&b);
+        let vertices = &small.solid.mesh().vertices;
+        let inside = |v: &&glam::DVec3| large.solid.contains((pose * (v.as_vec3() * self.scale)).as_dvec3());
+        vertices.iter().filter(inside).count() as f64 / vertices.len() as f64
     }
 }

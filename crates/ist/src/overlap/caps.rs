@@ -91,6 +91,7 @@ impl InnerSphereTree {
                 normal: -surface.outward,
                 volume: cap.volume as f32,
                 separation: surface.outward * -cap.base as f32,
+                outward: -surface.outward,
             });
         });
     }

@@ -25,6 +25,9 @@ pub struct ContactSample {
     /// Minus the derivative of the part's volume by a translation of B (m²). Zero for a part that stays wholly inside;
     /// the sum over all parts is the whole overlap's.
     pub separation: Vec3,
+    /// Direction from the inside of A and out of B by the normals that both spheres carry; zero where these cancel. Means
+    /// something where bodies contain each other and volumes no longer tell a way out.
+    pub outward: Vec3,
 }
 
 /// Length of a sum of area vectors over the sum of their lengths from which on the sum alone gives the normal.
@@ -89,14 +92,14 @@ impl Lenses {
             let gradient = sum_a.gradient + sum_b.gradient;
             let area = (sum_a.area + sum_b.area).max(f32::MIN_POSITIVE);
             let weight = smooth_step(gradient.length() / (area * SIGNIFICANT));
-            let outward = a.normals[in_a] - pose.rotation * b.normals[in_b];
-            let blend = weight * direction(gradient).unwrap_or(Vec3::ZERO)
-                + (1.0 - weight) * outward.normalize_or_zero();
+            let outward = (a.normals[in_a] - pose.rotation * b.normals[in_b]).normalize_or_zero();
+            let blend = weight * direction(gradient).unwrap_or(Vec3::ZERO) + (1.0 - weight) * outward;
             ContactSample {
                 point: lens.centroid * scale,
                 normal: direction(blend).or(direction(lens.axis)).unwrap_or(Vec3::Y),
                 volume: lens.volume * scale * scale * scale,
                 separation: lens.axis * lens.area * scale * scale,
+                outward,
             }
         }));
     }

@@ -1,5 +1,7 @@
 //! What two colliders' materials say about their contact.
 
+use super::impact::Impact;
+
 /// Material of a pair of colliders, after Rapier's combine rules.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Material {
@@ -18,20 +20,14 @@ pub(crate) struct Material {
     pub(crate) rebound_speed: f64,
 }
 
-/// How a contact began.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Impact {
-    /// Fastest approach since then (m/s); zero for bodies that began to overlap slowly.
-    pub(crate) speed: f64,
-    /// Whether the bodies have separated again: a stiff contact rebounds within a step.
-    pub(crate) rebounded: bool,
-}
-
 /// Contacts with a lower restitution dissipate as with this one, whose rebound has 0.25 % of the energy.
 const LEAST_RESTITUTION: f64 = 0.05;
 
 /// However much an impact dissipates, overlap that is left separates up to this share of the recovery speed.
-const LEAST_RECOVERY: f64 = 0.1;
+///
+/// A stack of six rings at 1e4 N/m³ (20 kg/m³, 18 % deep, dropped 1 cm) sleeps after 1.1 s with 1, after 0.9 s with 0.3, and
+/// slides apart with 0.1.
+const LEAST_RECOVERY: f64 = 0.3;
 
 impl Material {
     /// Hunt–Crossley dissipation (s/m) of a contact that began with `impact`.

@@ -17,6 +17,7 @@
 //! After D. Baraff and A. Witkin, *Large steps in cloth simulation* (SIGGRAPH 1998), for contact.
 
 mod body;
+mod impact;
 mod island;
 mod material;
 mod pair;
@@ -26,8 +27,9 @@ mod system;
 mod twist;
 
 pub(crate) use body::SolverBody;
+pub(crate) use impact::Impact;
 pub(crate) use island::islands;
-pub(crate) use material::{Impact, Material};
+pub(crate) use material::Material;
 pub(crate) use pair::PairContacts;
 pub(crate) use system::Island;
 pub(crate) use twist::Screw;

@@ -1,7 +1,8 @@
 //! The contact of one pair of bodies inside the penalty solve.
 
 use super::body::SolverBody;
-use super::material::{Impact, Material};
+use super::impact::Impact;
+use super::material::Material;
 use super::patch::patches;
 use super::sample::Sample;
 use super::twist::{Screw, Symmetric6};
@@ -11,8 +12,8 @@ use crate::query::Contact;
 use ist::ContactSample;
 use rapier3d::glamx::{DMat3, DVec3};
 
-/// A contact is an impact if it can stop the bodies within a step, `h² k A > STOPS_WITHIN_A_STEP · m`: it then has the whole
-/// rebound at once. Softer ones rebound over several steps by their dissipation.
+/// Contacts that can stop the bodies within a step, `h² k A > STOPS_WITHIN_A_STEP · m`, have their whole rebound in the step
+/// after. Softer ones rebound over several steps by their dissipation.
 const STOPS_WITHIN_A_STEP: f64 = 0.5;
 
 /// Contact samples between bodies `a` and `b` and the wrench they exert, linearised in the final velocity.
@@ -27,6 +28,8 @@ pub(crate) struct PairContacts {
     material: Material,
     samples: Vec<Sample>,
     impact: Impact,
+    /// Mean normal velocities before the step, and at its end without contact (m/s).
+    normal_speeds: [f64; 2],
     /// Wrench on b at zero relative velocity.
     offset: Screw,
     /// What a relative twist takes away from it.
@@ -54,18 +57,16 @@ impl PairContacts {
         let whole = material.stiffness * volume;
         let depth = patches.iter().map(|patch| patch.depth).fold(0.0, f64::max);
         let place = |point: DVec3| point - back(point) - origin;
-        let approach = |s: &ContactSample| {
-            -before.twist_at(place(s.point.as_dvec3())).linear.dot(s.normal.as_dvec3()) * f64::from(s.volume)
+        let mean = |twist: Screw| {
+            let part = |s: &ContactSample| {
+                let velocity = twist.twist_at(place(s.point.as_dvec3())).linear;
+                velocity.dot(s.normal.as_dvec3()) * f64::from(s.volume)
+            };
+            contact.samples.iter().map(part).sum::<f64>() / volume.max(f64::MIN_POSITIVE)
         };
-        let approach = contact.samples.iter().map(approach).sum::<f64>() / volume.max(f64::MIN_POSITIVE);
-        let mut impact = memory.impact;
-        if approach > material.rebound_speed {
-            impact = Impact { speed: impact.speed.max(approach), rebounded: false };
-        }
-        let dissipation = material.dissipation(impact);
-        let rebound = (approach > material.rebound_speed)
-            .then_some(material.restitution * impact.speed / approach)
-            .filter(|factor| *factor > 0.0);
+        let normal_speeds = [mean(before), mean(free)];
+        let impact = memory.impact.approached(-normal_speeds[0], material.rebound_speed);
+        let rebound = impact.rebound(&material, normal_speeds, memory.end);
         let samples = patches.iter().flat_map(|patch| {
             let push: f64 =
                 patch.samples.iter().map(|s| f64::from(s.volume)).sum::<f64>() * material.stiffness;
@@ -80,15 +81,19 @@ impl PairContacts {
             let compliance: f64 = states.iter().map(|state| state.compliance(origin + arm, normal)).sum();
             let gain = push * compliance * dt;
             let (rate, inward) = (dt / depth, -velocity.dot(normal));
-            let rebound = rebound.filter(|_| inward > 0.0 && gain * rate > STOPS_WITHIN_A_STEP);
+            let stiff = gain * rate > STOPS_WITHIN_A_STEP;
+            let dissipation = material.dissipation(impact);
+            // The end of the step sees the force half a step early, which dissipates by h/2D.
+            let lead = if impact.speed > 0.0 && !stiff { 0.5 * rate } else { 0.0 };
             let mut sample = Sample {
                 arm,
                 normal,
                 push: material.stiffness * f64::from(s.volume),
                 rate,
                 moved,
-                dissipation,
-                rebound: rebound.map_or(f64::NEG_INFINITY, |factor| factor * inward),
+                dissipation: (dissipation - lead).max(-0.5 / moved.abs().max(f64::MIN_POSITIVE)),
+                rebound: rebound.filter(|_| stiff).unwrap_or(f64::NEG_INFINITY),
+                stiff,
                 velocity,
                 force: 0.0,
                 damping: 0.0,
@@ -103,7 +108,7 @@ impl PairContacts {
         });
         let samples = samples.collect();
         let (offset, damping) = (Screw::ZERO, Symmetric6::ZERO);
-        Self { bodies, origin, depth, material, samples, impact, offset, damping }
+        Self { bodies, origin, depth, material, samples, impact, normal_speeds, offset, damping }
     }
 
     /// Linearises the wrench about the velocities of the last pass.
@@ -112,8 +117,9 @@ impl PairContacts {
     /// u_0 and the regularised Coulomb coefficient `c_t = μ f / max(|u_t|, u_creep)` there.
     pub(crate) fn linearize(&mut self) {
         (self.offset, self.damping) = (Screw::ZERO, Symmetric6::ZERO);
+        let friction = self.material.friction * self.grip();
         for s in self.samples.iter().filter(|s| s.force > 0.0) {
-            let tangential = friction_damping(&self.material, s);
+            let tangential = friction * s.force / s.slip().length().max(self.material.creep_speed);
             let outer = DMat3::from_cols(s.normal * s.normal.x, s.normal * s.normal.y, s.normal * s.normal.z);
             let damper = outer * (s.damping - tangential) + DMat3::from_diagonal(DVec3::splat(tangential));
             self.damping.add_damper(damper, s.arm);
@@ -134,6 +140,20 @@ impl PairContacts {
         if total > 0.0 { change / total } else { 0.0 }
     }
 
+    /// Share of the friction that the pair has.
+    ///
+    /// Bodies that overlap are squeezed from all sides, which rigid bodies are not: what cancels must not hold them by
+    /// friction where they are. All of it down to where the forces' sum is half of the sum of their sizes: the walls of a
+    /// groove of 60°.
+    fn grip(&self) -> f64 {
+        let (mut sum, mut total) = (DVec3::ZERO, f64::MIN_POSITIVE);
+        for s in &self.samples {
+            sum += s.normal * s.force;
+            total += s.force;
+        }
+        (2.0 * sum.length() / total).min(1.0)
+    }
+
     /// What to remember of the pair after a step at the relative twist `twist`.
     pub(crate) fn memory(&self, twist: Screw) -> PairMemory {
         let (mut force, mut power) = (0.0, 0.0);
@@ -141,8 +161,16 @@ impl PairContacts {
             force += s.force;
             power += s.force * twist.twist_at(s.arm).linear.dot(s.normal);
         }
-        let rebounded = self.impact.rebounded || (self.impact.speed > 0.0 && power > 0.0);
-        PairMemory { force, impact: Impact { rebounded, ..self.impact } }
+        let end = if force > 0.0 { power / force } else { 0.0 };
+        let rebounds = self.samples.iter().any(|s| s.rebound > f64::NEG_INFINITY);
+        PairMemory { force, end, impact: self.impact.after(self.normal_speeds, end, rebounds) }
+    }
+
+    /// Whether the pair has come to a stop in the step so early that it should rebound in the same step.
+    pub(crate) fn should_rebound(&self, twist: Screw) -> bool {
+        let PairMemory { end, impact, .. } = self.memory(twist);
+        let rebound = self.impact.rebound(&self.material, self.normal_speeds, end);
+        !impact.rebounded && rebound.is_some() && self.samples.iter().any(|s| s.force > 0.0 && s.stiff)
     }
 
     /// How far from the poses at which it was measured the contact is after a step at the relative twist `twist`, in units of
@@ -190,9 +218,4 @@ fn backtracking(states: [&SolverBody; 2], displacements: [Displacement; 2]) -> i
 fn relative_twist(bodies: [(&SolverBody, Screw); 2], at: DVec3) -> Screw {
     let [a, b] = bodies.map(|(body, twist)| twist.twist_at(at - body.center_of_mass));
     b - a
-}
-
-/// The regularised Coulomb coefficient `μ f / max(|u_t|, u_creep)` (N·s/m).
-fn friction_damping(material: &Material, sample: &Sample) -> f64 {
-    material.friction * sample.force / sample.slip().length().max(material.creep_speed)
 }

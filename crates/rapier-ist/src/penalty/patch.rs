@@ -63,7 +63,7 @@ mod tests {
     use super::*;
 
     fn sample(normal: Vec3, volume: f32, area: f32) -> ContactSample {
-        ContactSample { point: Vec3::ZERO, normal, volume, separation: normal * area }
+        ContactSample { point: Vec3::ZERO, normal, volume, separation: normal * area, outward: normal }
     }
 
     #[test]

@@ -23,6 +23,8 @@ pub(crate) struct Sample {
     pub(crate) dissipation: f64,
     /// Normal velocity up to which a contact that rebounds is pushed (m/s); negative infinity for others.
     pub(crate) rebound: f64,
+    /// Whether the contact can stop the bodies within a step.
+    pub(crate) stiff: bool,
     /// Velocity relative to the first body at which the force was last linearised (m/s).
     pub(crate) velocity: DVec3,
     /// Normal force at that velocity (N), and minus its derivative by the normal velocity (N·s/m).

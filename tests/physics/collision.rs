@@ -1,0 +1,105 @@
+//! Free bodies that hit each other: momentum, angular momentum, energy.
+
+use super::{DENSITY, ring};
+use glam::{DVec3, Quat, Vec3};
+use glamx::Pose3;
+use packer::{PackOptions, Solid, pack};
+use rapier_ist::{IstPlugin, IstShape};
+use rapier_ist_examples::shapes;
+use rapier3d::prelude::*;
+
+/// Three crossed bars: not convex, and its inertia is the same about all axes, so that it spins freely at a constant rate
+/// and all that changes its angular momentum is the contact.
+fn jack() -> IstShape {
+    let solid = Solid::new(&shapes::cross(0.2, 0.05)).unwrap();
+    IstShape::from_packing(&pack(&solid, &PackOptions::balanced().spheres(1000)).unwrap().packing)
+}
+
+/// Momentum, angular momentum about the origin and kinetic energy of all bodies.
+fn totals(world: &PhysicsWorld) -> (DVec3, DVec3, f64) {
+    let (mut momentum, mut spin, mut energy) = (DVec3::ZERO, DVec3::ZERO, 0.0);
+    for (_, body) in world.bodies.iter() {
+        let p = body.linvel().as_dvec3() * f64::from(body.mass());
+        let inertia = body.mass_properties().effective_angular_inertia();
+        let l = (inertia * body.angvel()).as_dvec3();
+        momentum += p;
+        spin += l + body.center_of_mass().as_dvec3().cross(p);
+        energy += 0.5 * (p.dot(body.linvel().as_dvec3()) + l.dot(body.angvel().as_dvec3()));
+    }
+    (momentum, spin, energy)
+}
+
+#[derive(Default)]
+struct Errors {
+    momentum: f64,
+    spin: f64,
+    energy: f64,
+    /// Energy at the end, of the one at the start.
+    left: f64,
+}
+
+/// Throws two bodies at each other, seen from different sides by `seed`.
+fn collide(shape: &IstShape, restitution: f32, seed: u16) -> Errors {
+    let mut world = PhysicsWorld { gravity: Vec3::ZERO, ..PhysicsWorld::new() };
+    let mut plugin = IstPlugin::install(&mut world);
+    let angle = f32::from(seed);
+    let throw = |world: &mut PhysicsWorld, side: f32| {
+        let turn = Quat::from_scaled_axis(Vec3::new(angle, 2.0 * angle + side, 0.7 * angle));
+        let offset = Vec3::new(side * 0.4, 0.08 * angle.sin(), 0.08 * (1.7 * angle).cos());
+        let spin = Vec3::new(angle.cos(), side * 2.0, (3.0 * angle).sin());
+        let body = RigidBodyBuilder::dynamic()
+            .pose(Pose3::from_parts(offset, turn))
+            .linvel(Vec3::new(-side * 1.5, 0.2 * side, 0.0))
+            .angvel(spin);
+        let collider = shape.clone().into_collider().density(DENSITY).restitution(restitution);
+        world.insert(body, collider);
+    };
+    throw(&mut world, 1.0);
+    throw(&mut world, -1.0);
+    let (momentum, spin, mut energy) = totals(&world);
+    let start = energy;
+    // Momenta may be small by chance: they are measured against what the bodies carry.
+    let carried: f64 = world.bodies.iter().map(|(_, b)| f64::from(b.mass() * b.linvel().length())).sum();
+    let mut errors = Errors::default();
+    let mut touched = false;
+    for _ in 0..90 {
+        touched |= !plugin.step(&mut world).contacts.is_empty();
+        let now = totals(&world);
+        errors.momentum = errors.momentum.max((now.0 - momentum).length() / carried);
+        errors.spin = errors.spin.max((now.1 - spin).length() / (0.4 * carried));
+        errors.energy = errors.energy.max((now.2 - energy) / start);
+        energy = now.2;
+    }
+    assert!(touched, "seed {seed}");
+    errors.left = energy / start;
+    errors
+}
+
+#[test]
+fn collisions_keep_both_momenta_and_make_no_energy() {
+    let shape = jack();
+    for restitution in [0.0, 0.5, 1.0] {
+        let mut worst = Errors::default();
+        for seed in 0..20 {
+            let errors = collide(&shape, restitution, seed);
+            worst.momentum = worst.momentum.max(errors.momentum);
+            worst.spin = worst.spin.max(errors.spin);
+            worst.energy = worst.energy.max(errors.energy);
+            worst.left += errors.left / 20.0;
+        }
+        println!(
+            "e = {restitution}: momentum {:.1e}, angular momentum {:.1e}, energy rises by {:.1e}, {:.2} left",
+            worst.momentum, worst.spin, worst.energy, worst.left
+        );
+        assert!(worst.momentum < 1e-5 && worst.spin < 1e-5 && worst.energy < 1e-3);
+    }
+}
+
+#[test]
+fn rings_that_hit_each_other_make_no_energy() {
+    let shape = ring(300);
+    for seed in 0..10 {
+        let errors = collide(&shape, 0.0, seed);
+        assert!(errors.momentum < 1e-5 && errors.energy < 1e-3, "{} {}", errors.momentum, errors.energy);
+    }
+}

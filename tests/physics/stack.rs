@@ -1,0 +1,60 @@
+//! Six rings on each other.
+
+use super::stiff;
+use rapier_ist_examples::scenes::{RING_MINOR, Stack, ring_shape};
+
+/// Density (kg/m³) at which the softest stack is 20 % and the stiffest 1e-4 % deep: that of foam.
+const DENSITY: f32 = 20.0;
+
+struct Outcome {
+    /// When all slept (s).
+    asleep: Option<f32>,
+    /// How much closer than touching each ring is to the one below, in units of its thickness.
+    sink: Vec<f32>,
+    /// Farthest that a ring went from the axis (m).
+    drift: f32,
+}
+
+fn run(stack: &mut Stack, seconds: u32) -> Outcome {
+    let mut asleep = None;
+    for step in 1..=60 * seconds {
+        stack.plugin.step(&mut stack.world);
+        if asleep.is_none() && stack.rings.iter().all(|&ring| stack.world.bodies[ring].is_sleeping()) {
+            asleep = Some(step as f32 / 60.0);
+        }
+    }
+    let places: Vec<_> = stack.rings.iter().map(|&ring| stack.world.bodies[ring].translation()).collect();
+    let drift = places.iter().map(|p| p.x.hypot(p.z)).fold(0.0, f32::max);
+    let mut below = -RING_MINOR;
+    let sink = places.iter().map(|place| {
+        let gap = place.y - below;
+        below = place.y;
+        1.0 - gap / (2.0 * RING_MINOR)
+    });
+    Outcome { asleep, sink: sink.collect(), drift }
+}
+
+#[test]
+fn rings_stand_on_each_other_at_any_stiffness() {
+    let shape = ring_shape(3000).unwrap();
+    for stiffness in [1e4, 1e5, 1e6, 1e7, 1e8] {
+        let mut stack = Stack::new(6, &shape, DENSITY, 0.01);
+        stiff(&mut stack.plugin, stiffness);
+        let Outcome { asleep, sink, drift } = run(&mut stack, 5);
+        println!("{stiffness:.0e} N/m³: asleep {asleep:?} s, drift {drift} m, sink {sink:.4?}");
+        assert!(asleep.is_some(), "{stiffness}");
+        assert!(drift < 0.5 * RING_MINOR, "{stiffness}: {drift}");
+        assert!(sink.iter().all(|sink| (-0.05..0.25).contains(sink)), "{stiffness}: {sink:?}");
+    }
+}
+
+#[test]
+fn rings_of_any_density_sink_at_most_a_hundredth_by_default() {
+    for (spheres, density) in [(1000, 1.0), (3000, 1000.0), (6724, 7800.0)] {
+        let mut stack = Stack::new(6, &ring_shape(spheres).unwrap(), density, 0.01);
+        let Outcome { asleep, sink, drift } = run(&mut stack, 5);
+        println!("{spheres} spheres, {density} kg/m³: asleep {asleep:?} s, drift {drift} m, sink {sink:.4?}");
+        assert!(asleep.is_some() && drift < 0.5 * RING_MINOR);
+        assert!(sink.iter().all(|sink| *sink <= 0.01), "{spheres}: {sink:?}");
+    }
+}
