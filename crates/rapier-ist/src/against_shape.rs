@@ -34,6 +34,11 @@ pub(crate) fn surface_distance(shape: &dyn Shape, point: Vector) -> SurfaceDista
     if let Some(half_space) = shape.as_shape::<HalfSpace>() {
         return SurfaceDistance { distance: half_space.normal.dot(point), outward: half_space.normal };
     }
+    // parry has no projection of a ball's centre.
+    if let Some(ball) = shape.as_ball() {
+        let outward = point.try_normalize().unwrap_or(Vector::Y);
+        return SurfaceDistance { distance: point.length() - ball.radius, outward };
+    }
     // parry projects on the nearest part, which need not be the one that the point is inside of.
     if let Some(compound) = shape.as_compound() {
         return compound_distance(compound, point);

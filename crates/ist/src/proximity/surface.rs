@@ -57,11 +57,7 @@ impl InnerSphereTree {
 
     /// Whether a ball meets a solid of the given signed distance; touching counts. See [`Self::nearest_to_surface`].
     #[must_use]
-    pub fn meets_surface(
-        &self,
-        balls: BallKind,
-        surface: impl FnMut(Vec3) -> SurfaceDistance,
-    ) -> bool {
+    pub fn meets_surface(&self, balls: BallKind, surface: impl FnMut(Vec3) -> SurfaceDistance) -> bool {
         Search { tree: self, balls, surface, enough: 0.0 }.nearest(f32::MIN_POSITIVE).is_some()
     }
 }
@@ -96,7 +92,9 @@ impl<F: FnMut(Vec3) -> SurfaceDistance> Search<'_, F> {
                 if parent.surface.distance - parent.center.distance(center) - radius >= limit {
                     continue;
                 }
-                let Some(seen) = self.see((level - 1, child)).filter(|seen| seen.gap < limit) else { continue };
+                let Some(seen) = self.see((level - 1, child)).filter(|seen| seen.gap < limit) else {
+                    continue;
+                };
                 if level == 1 {
                     (limit, best) = (seen.gap, Some(seen));
                     if limit <= self.enough {

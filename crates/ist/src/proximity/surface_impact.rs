@@ -165,7 +165,13 @@ impl<F: FnMut(Vec3) -> SurfaceDistance> Cast<'_, F> {
         }
         let step = time_to_close(sight.gap, self.rate(sight), acceleration);
         // A step that ends at the horizon is no contact; beyond the motion's end there is nothing to see.
-        if step <= horizon { step } else if horizon >= rest { f64::INFINITY } else { horizon }
+        if step <= horizon {
+            step
+        } else if horizon >= rest {
+            f64::INFINITY
+        } else {
+            horizon
+        }
     }
 
     fn impact(&self, due: &Due, sight: &Sight) -> Impact {

@@ -80,11 +80,7 @@ impl Cast {
     }
 
     /// What `query` finds, with what is certain of it.
-    fn first(
-        &self,
-        tree: &InnerSphereTree,
-        query: impl Fn(&ImpactOptions) -> TimeOfImpact,
-    ) -> Option<First> {
+    fn first(&self, tree: &InnerSphereTree, query: impl Fn(&ImpactOptions) -> TimeOfImpact) -> Option<First> {
         match query(&self.options) {
             TimeOfImpact::NoHit => None,
             TimeOfImpact::Hit(impact) => {
@@ -122,7 +118,8 @@ impl Cast {
         let start = b.pose.inverse_transform_point(a.pose * a.local_center);
         let velocity = b.pose.rotation.inverse() * (a.linear_velocity - b.linear_velocity);
         // A component of 0 stays 0 however long it lasts.
-        let way = Vector::select(velocity.cmpeq(Vector::ZERO), Vector::ZERO, velocity * self.options.max_time);
+        let way =
+            Vector::select(velocity.cmpeq(Vector::ZERO), Vector::ZERO, velocity * self.options.max_time);
         let end = start + way;
         // Room for rounding and for the tolerance of the cast.
         let room = Vector::splat(1.001 * reach + 1e-5 * start.abs().max_element());

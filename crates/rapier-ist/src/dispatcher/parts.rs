@@ -12,7 +12,9 @@ pub(super) fn for_each_part(shape: &dyn Shape, region: &Aabb, act: &mut dyn FnMu
         return;
     }
     // Regions reach to infinity where motions do; the shape's own box does not.
-    let Some(region) = shape.compute_local_aabb().loosened(Real::EPSILON).intersection(region) else { return };
+    let Some(region) = shape.compute_local_aabb().loosened(Real::EPSILON).intersection(region) else {
+        return;
+    };
     if let Some(composite) = shape.as_composite_shape() {
         for leaf in composite.bvh().intersect_aabb(&region) {
             composite.map_part_at(leaf, &mut |pose, part, _| act(&pose.copied().unwrap_or_default(), part));
