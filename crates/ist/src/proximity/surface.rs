@@ -82,7 +82,7 @@ impl<F: FnMut(Vec3) -> SurfaceDistance> Search<'_, F> {
         }
         let mut stack = Stack::new((seen, root));
         while let Some((parent, (level, node))) = stack.pop() {
-            if !(parent.gap < limit) {
+            if parent.gap >= limit {
                 continue;
             }
             let end = data.levels[level - 1].len().min((node + 1) * WIDTH);
