@@ -66,8 +66,8 @@ pub use overlap::{
 pub use packing::{PackingError, SpherePacking};
 pub use patches::ContactPatch;
 pub use proximity::{
-    BallKind, DistanceOptions, Impact, ImpactOptions, NearestSphere, Penetration, ProximityWorkspace, Ray,
-    RayHit, RigidMotion, Separation, TimeOfImpact,
+    BallContact, BallKind, DistanceOptions, Impact, ImpactOptions, NearestSphere, Penetration,
+    ProximityWorkspace, Ray, RayHit, RigidMotion, Separation, SurfaceGap, TimeOfImpact,
 };
 pub use solid::SolidProperties;
 pub use sphere::InnerSphere;

@@ -2,7 +2,8 @@
 
 use ist::{ContactSample, InnerSphereTree, SurfaceDistance};
 use rapier3d::math::{Pose, Real, Vector};
-use rapier3d::parry::shape::{HalfSpace, Shape};
+use rapier3d::parry::query::PointQuery;
+use rapier3d::parry::shape::{Compound, HalfSpace, Shape};
 
 /// Appends the contact samples of `solid` (A) with `other` (B) at `pose` in A's frame.
 ///
@@ -15,25 +16,53 @@ pub(crate) fn contact_samples(
     pose: &Pose,
     samples: &mut Vec<ContactSample>,
 ) {
-    let inverse = pose.inverse();
-    solid.contact_samples_with(
-        |point| {
-            let surface = surface_distance(other, inverse * point);
-            SurfaceDistance { outward: pose.rotation * surface.outward, ..surface }
-        },
-        samples,
-    );
+    solid.contact_samples_with(surface_of(other, pose), samples);
+}
+
+/// Signed distance of `shape` at `pose`.
+pub(crate) fn surface_of(shape: &dyn Shape, pose: &Pose) -> impl Fn(Vector) -> SurfaceDistance {
+    let (pose, inverse) = (*pose, pose.inverse());
+    move |point| {
+        let surface = surface_distance(shape, inverse * point);
+        SurfaceDistance { outward: pose.rotation * surface.outward, ..surface }
+    }
 }
 
 /// Signed distance of `shape` at `point`, in its own frame.
-fn surface_distance(shape: &dyn Shape, point: Vector) -> SurfaceDistance {
+pub(crate) fn surface_distance(shape: &dyn Shape, point: Vector) -> SurfaceDistance {
     // parry projects points inside a half-space onto its plane, but reports no distance beyond float range.
     if let Some(half_space) = shape.as_shape::<HalfSpace>() {
         return SurfaceDistance { distance: half_space.normal.dot(point), outward: half_space.normal };
+    }
+    // parry has no projection of a ball's centre.
+    if let Some(ball) = shape.as_ball() {
+        let outward = point.try_normalize().unwrap_or(Vector::Y);
+        return SurfaceDistance { distance: point.length() - ball.radius, outward };
+    }
+    // parry projects on the nearest part, which need not be the one that the point is inside of.
+    if let Some(compound) = shape.as_compound() {
+        return compound_distance(compound, point);
     }
     let projection = shape.project_local_point(point, false);
     let to_point = point - projection.point;
     let sign: Real = if projection.is_inside { -1.0 } else { 1.0 };
     let outward = (to_point * sign).try_normalize().unwrap_or(Vector::Y);
     SurfaceDistance { distance: to_point.length() * sign, outward }
+}
+
+/// The least of the parts' distances.
+fn compound_distance(compound: &Compound, point: Vector) -> SurfaceDistance {
+    let mut nearest = SurfaceDistance { distance: Real::INFINITY, outward: Vector::Y };
+    for ((pose, part), bounds) in compound.shapes().iter().zip(compound.aabbs()) {
+        let is_far = !bounds.contains_local_point(point)
+            && bounds.distance_to_local_point(point, true) >= nearest.distance;
+        if is_far {
+            continue;
+        }
+        let seen = surface_distance(part.as_ref(), pose.inverse_transform_point(point));
+        if seen.distance < nearest.distance {
+            nearest = SurfaceDistance { distance: seen.distance, outward: pose.rotation * seen.outward };
+        }
+    }
+    nearest
 }

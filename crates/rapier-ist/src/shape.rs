@@ -1,6 +1,6 @@
 //! The collider shape: an inner sphere tree as parry sees it.
 
-use ist::{FileError, InnerSphereTree, SpherePacking};
+use ist::{BallKind, FileError, InnerSphereTree, NearestSphere, SpherePacking};
 use rapier3d::geometry::{ColliderBuilder, SharedShape};
 use rapier3d::glamx::Mat3;
 use rapier3d::math::{Real, Vector};
@@ -76,21 +76,15 @@ impl IstShape {
         self.thickness
     }
 
-    /// The inner sphere nearest to `point` with the signed distance (m) to its surface.
-    fn nearest_sphere(&self, point: Vector) -> (usize, Vector, Real, Real) {
-        let mut nearest = (0, Vector::ZERO, 0.0, Real::INFINITY);
-        for (index, (center, radius, _)) in self.tree.inner_balls().enumerate() {
-            let distance = point.distance(center) - radius;
-            if distance < nearest.3 {
-                nearest = (index, center, radius, distance);
-            }
-        }
-        nearest
+    /// The inner ball nearest to `point`; `None` where the point is not finite or too far away for f32.
+    fn nearest_sphere(&self, point: Vector) -> Option<NearestSphere> {
+        self.tree.nearest_sphere(point, BallKind::Inner)
     }
+}
 
-    fn feature(&self, sphere: usize) -> FeatureId {
-        FeatureId::Face(self.tree.packing_index(sphere) as u32)
-    }
+/// Features are spheres, by their index in the packing.
+fn feature(sphere: usize) -> FeatureId {
+    FeatureId::Face(sphere as u32)
 }
 
 /// Radius below which the inner spheres of `tree` hold half of their volume.
@@ -107,25 +101,29 @@ fn thickness(tree: &InnerSphereTree) -> Real {
     radii.iter().find(reaches_half).copied().unwrap_or(Real::MAX)
 }
 
-/// Point queries see the union of the inner spheres, in time linear in their number.
+/// Point queries see the union of the inner balls, in expected time logarithmic in their number.
+///
+/// A point that is not finite, or farther away than 10¹⁸ times the solid's size, is its own projection and outside.
 impl PointQuery for IstShape {
     fn project_local_point(&self, point: Vector, solid: bool) -> PointProjection {
-        let (_, center, radius, distance) = self.nearest_sphere(point);
-        let is_inside = distance <= 0.0;
-        if is_inside && solid {
-            return PointProjection::new(true, point);
-        }
-        let outward = (point - center).try_normalize().unwrap_or(Vector::Y);
-        PointProjection::new(is_inside, center + outward * radius)
+        let Some(nearest) = self.nearest_sphere(point) else { return PointProjection::new(false, point) };
+        let is_inside = nearest.distance <= 0.0;
+        PointProjection::new(is_inside, if is_inside && solid { point } else { nearest.point })
     }
 
     fn project_local_point_and_get_feature(&self, point: Vector) -> (PointProjection, FeatureId) {
-        let (sphere, ..) = self.nearest_sphere(point);
-        (self.project_local_point(point, false), self.feature(sphere))
+        let Some(nearest) = self.nearest_sphere(point) else {
+            return (PointProjection::new(false, point), FeatureId::Unknown);
+        };
+        (PointProjection::new(nearest.distance <= 0.0, nearest.point), feature(nearest.sphere))
+    }
+
+    fn contains_local_point(&self, point: Vector) -> bool {
+        self.tree.contains_point(point, BallKind::Inner)
     }
 }
 
-/// Rays see the union of the inner spheres, in time linear in their number.
+/// Rays see the union of the inner balls, in expected time logarithmic in their number. Nothing is hit where a number is NaN.
 impl RayCast for IstShape {
     fn cast_local_ray_and_get_normal(
         &self,
@@ -133,17 +131,21 @@ impl RayCast for IstShape {
         max_time_of_impact: Real,
         solid: bool,
     ) -> Option<RayIntersection> {
-        let mut first: Option<RayIntersection> = None;
-        for (index, (center, radius, _)) in self.tree.inner_balls().enumerate() {
-            let limit = first.map_or(max_time_of_impact, |hit| hit.time_of_impact);
-            let from_center = Ray::new(ray.origin - center, ray.dir);
-            let ball = rapier3d::parry::shape::Ball::new(radius);
-            if let Some(mut hit) = ball.cast_local_ray_and_get_normal(&from_center, limit, solid) {
-                hit.feature = self.feature(index);
-                first = Some(hit);
-            }
-        }
-        first
+        let ray = ist::Ray { origin: ray.origin, direction: ray.dir, max_time: max_time_of_impact };
+        let hit = self.tree.cast_ray(&ray, solid, BallKind::Inner)?;
+        Some(RayIntersection::new(hit.time, hit.normal, feature(hit.sphere)))
+    }
+}
+
+impl From<IstShape> for SharedShape {
+    fn from(shape: IstShape) -> Self {
+        shape.into_shared()
+    }
+}
+
+impl From<IstShape> for ColliderBuilder {
+    fn from(shape: IstShape) -> Self {
+        shape.into_collider()
     }
 }
 
@@ -189,6 +191,15 @@ impl Shape for IstShape {
 
     fn as_typed_shape(&self) -> TypedShape<'_> {
         TypedShape::Custom(self)
+    }
+
+    /// The normal of the sphere of packing index `feature`, a [`FeatureId::Face`], at `point`.
+    fn feature_normal_at_point(&self, _: u32, feature: FeatureId, point: Vector) -> Option<Vector> {
+        let FeatureId::Face(sphere) = feature else { return None };
+        let is_it = |i: &usize| self.tree.packing_index(*i) == sphere as usize;
+        let position = (0..self.tree.len()).find(is_it)?;
+        let (center, _, normal) = self.tree.inner_balls().nth(position)?;
+        (point - center).try_normalize().or(Some(normal))
     }
 
     fn ccd_thickness(&self) -> Real {

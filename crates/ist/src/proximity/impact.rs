@@ -42,6 +42,9 @@ pub struct ImpactOptions {
     /// Pairs of tree nodes that may be looked at, at about 0.4 µs each; 65,536 by default. Bodies of 1,000 to 10,000
     /// spheres take 100 to 300 where they do not turn and 400 to 1,100 where they turn at 3 rad/s.
     pub max_visits: usize,
+    /// Balls that are in contact at the start count only if they approach by more than this (m) along their normal during
+    /// the whole time; otherwise they are passed over, and others may meet later. −∞ by default: all count.
+    pub ignored_approach: f32,
 }
 
 impl Default for ImpactOptions {
@@ -52,6 +55,7 @@ impl Default for ImpactOptions {
             target_distance: 0.0,
             tolerance: 0.0,
             max_visits: 1 << 16,
+            ignored_approach: f32::NEG_INFINITY,
         }
     }
 }
@@ -92,8 +96,8 @@ pub enum TimeOfImpact {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Due {
     /// Nothing below is close before this time.
-    time: f64,
-    nodes: Nodes,
+    pub(super) time: f64,
+    pub(super) nodes: Nodes,
 }
 
 /// The earliest is the greatest of a max-heap; of equally early ones the lowest in the trees.
@@ -151,6 +155,7 @@ impl InnerSphereTree {
             target: f64::from(options.target_distance.max(0.0)) + half,
             close: half,
             max_time: f64::from(options.max_time.max(0.0)),
+            ignored_approach: f64::from(options.ignored_approach),
         };
         cast.run(options.max_visits, &mut workspace.due)
     }
@@ -166,6 +171,7 @@ struct Cast<'a> {
     /// How far from that a pair of spheres may be in contact (m).
     close: f64,
     max_time: f64,
+    ignored_approach: f64,
 }
 
 impl Cast<'_> {
@@ -179,7 +185,10 @@ impl Cast<'_> {
             let gap = self.gap(&balls);
             let leaves = due.nodes.are_leaves();
             if leaves && gap <= self.close {
-                return TimeOfImpact::Hit(self.impact(&due, &now, &balls));
+                if due.time > 0.0 || self.counts(&balls) {
+                    return TimeOfImpact::Hit(self.impact(&due, &now, &balls));
+                }
+                continue;
             }
             if leaves || gap > CLOSE * balls[0].radius.max(balls[1].radius) {
                 self.push(due.time, due.nodes, &balls, heap);
@@ -202,6 +211,16 @@ impl Cast<'_> {
     /// How far two balls are from the target distance (m).
     fn gap(&self, balls: &[MovingBall; 2]) -> f64 {
         balls[0].center.distance(balls[1].center) - balls[0].radius - balls[1].radius - self.target
+    }
+
+    /// Whether balls in contact at the start approach by enough to count.
+    fn counts(&self, balls: &[MovingBall; 2]) -> bool {
+        if self.ignored_approach == f64::NEG_INFINITY {
+            return true;
+        }
+        let velocity = |i: usize| self.movers[i].velocity + self.movers[i].spin.cross(balls[i].arm);
+        let normal = (balls[1].center - balls[0].center).normalize_or_zero();
+        normal.dot(velocity(0) - velocity(1)) * self.max_time > self.ignored_approach
     }
 
     /// Lets a pair wait for the first time after `time` at which it may meet, if that comes.
@@ -261,7 +280,7 @@ impl Cast<'_> {
 }
 
 /// The largest f32 that is not later than `time`, which is not negative.
-fn rounded_down(time: f64) -> f32 {
+pub(super) fn rounded_down(time: f64) -> f32 {
     let rounded = time as f32;
     if f64::from(rounded) > time { rounded.next_down() } else { rounded }
 }

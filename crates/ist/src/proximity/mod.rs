@@ -4,6 +4,7 @@
 //! of moving trees run in the frame of the motions. Bounds of eight balls are tested at once.
 
 mod ball;
+mod deepest;
 mod distance;
 mod impact;
 mod intersects;
@@ -18,14 +19,18 @@ mod ray;
 mod safe_step;
 mod side;
 mod stack;
+mod surface;
+mod surface_impact;
 mod workspace;
 
+pub use deepest::BallContact;
 pub use distance::{DistanceOptions, Separation};
 pub use impact::{Impact, ImpactOptions, TimeOfImpact};
 pub use motion::RigidMotion;
 pub use penetration::Penetration;
 pub use point::NearestSphere;
 pub use ray::{Ray, RayHit};
+pub use surface::SurfaceGap;
 pub use workspace::ProximityWorkspace;
 
 /// Which balls of a packing a query sees.

@@ -65,6 +65,12 @@ impl Mover {
         })
     }
 
+    /// Rotation, place of the centre and the centre in the body's frame at `time`.
+    pub(super) fn frame_at(&self, time: f64) -> (DQuat, DVec3, DVec3) {
+        let (rotation, center) = self.placed_at(time);
+        (rotation, center, self.local_center)
+    }
+
     /// Rotation and place of the centre at `time`.
     fn placed_at(&self, time: f64) -> (DQuat, DVec3) {
         let rotation = DQuat::from_scaled_axis(self.spin * time) * self.rotation;

@@ -1,0 +1,188 @@
+//! When a moving tree meets a moving convex solid.
+//!
+//! As for two trees ([`super::impact`]): nodes wait by the time before which they cannot meet the solid. A convex solid lies behind
+//! the plane through its point nearest to a ball's centre, so a ball cannot meet the solid before it meets that plane, which moves
+//! with the solid. A ball that passes by close to a face is therefore done in a few steps.
+
+use super::impact::{Due, rounded_down};
+use super::motion::{Mover, MovingBall, Snapshot};
+use super::nearest::Nodes;
+use super::safe_step::time_to_close;
+use super::{BallKind, Impact, ImpactOptions, ProximityWorkspace, RigidMotion, TimeOfImpact};
+use crate::tree::WIDTH;
+use crate::{InnerSphereTree, SurfaceDistance};
+use alloc::collections::BinaryHeap;
+use glam::{DVec3, Vec3};
+
+/// Tolerance of contact, relative to the radius of the tree's bounding ball, where none larger is asked for: distances of
+/// shapes are computed in f32.
+const CONTACT: f64 = 1e-5;
+
+/// Nodes are opened when their gap is less than this part of their radius.
+const CLOSE: f64 = 0.1;
+
+/// How far ahead a step looks where the solid turns, in multiples of the time that the gap takes at the present speed.
+const HORIZON: f64 = 4.0;
+
+impl InnerSphereTree {
+    /// When the balls of this solid (A) first come within the target distance of a convex solid B, which move by `motions` in
+    /// the world.
+    ///
+    /// `surface` gives B's signed distance in B's frame. The result is that of [`Self::time_of_impact`] with 0 for B's sphere
+    /// and the point of B nearest to the ball's centre. The time is not later than the first contact if B is convex and
+    /// distances are exact; it is as inexact as they are.
+    #[must_use]
+    pub fn time_of_surface_impact(
+        &self,
+        surface: impl FnMut(Vec3) -> SurfaceDistance,
+        motions: &[RigidMotion; 2],
+        options: &ImpactOptions,
+        workspace: &mut ProximityWorkspace,
+    ) -> TimeOfImpact {
+        let (Some(a), Some(b)) = (Mover::new(&motions[0]), Mover::new(&motions[1])) else {
+            return TimeOfImpact::Undecided { safe_time: 0.0 };
+        };
+        let half = 0.5 * f64::from(options.tolerance).max(CONTACT * f64::from(self.bounding_ball().1));
+        let mut cast = Cast {
+            tree: self,
+            surface,
+            movers: [a, b],
+            kind: options.balls,
+            target: f64::from(options.target_distance.max(0.0)) + half,
+            close: half,
+            max_time: f64::from(options.max_time.max(0.0)),
+            ignored_approach: f64::from(options.ignored_approach),
+        };
+        workspace.due.clear();
+        cast.run(options.max_visits, &mut workspace.due)
+    }
+}
+
+/// A tree and a solid on their way.
+struct Cast<'a, F> {
+    tree: &'a InnerSphereTree,
+    surface: F,
+    movers: [Mover; 2],
+    kind: BallKind,
+    /// Distance that balls are advanced to (m).
+    target: f64,
+    /// How far from that a ball may be in contact (m).
+    close: f64,
+    max_time: f64,
+    ignored_approach: f64,
+}
+
+/// A ball and the solid at one time, in the world.
+struct Sight {
+    /// Of the ball and the solid, less the target distance (m).
+    gap: f64,
+    /// Unit vector out of the solid.
+    outward: DVec3,
+    distance: f64,
+    ball: MovingBall,
+    /// From the solid's centre to the ball's.
+    offset: DVec3,
+}
+
+impl<F: FnMut(Vec3) -> SurfaceDistance> Cast<'_, F> {
+    fn run(&mut self, visits: usize, heap: &mut BinaryHeap<Due>) -> TimeOfImpact {
+        let root = Nodes { level: [self.tree.data().height() as u8, 0], node: [0, 0] };
+        heap.push(Due { time: 0.0, nodes: root });
+        for _ in 0..visits {
+            let Some(due) = heap.pop() else { return TimeOfImpact::NoHit };
+            let sight = self.sight(&due);
+            let is_leaf = due.nodes.level[0] == 0;
+            if is_leaf && sight.gap <= self.close {
+                if due.time > 0.0 || self.counts(&sight) {
+                    return TimeOfImpact::Hit(self.impact(&due, &sight));
+                }
+                continue;
+            }
+            if is_leaf || sight.gap > CLOSE * sight.ball.radius {
+                let time = due.time + self.safe_step(&sight, self.max_time - due.time);
+                if time <= self.max_time && time.is_finite() {
+                    heap.push(Due { time, nodes: due.nodes });
+                }
+                continue;
+            }
+            let level = usize::from(due.nodes.level[0]) - 1;
+            let first = due.nodes.node[0] as usize * WIDTH;
+            let end = self.tree.data().levels[level].len().min(first + WIDTH);
+            // Children are looked at when their turn comes, after what is due earlier.
+            for child in first..end {
+                heap.push(Due { time: due.time, nodes: due.nodes.descend(0, child) });
+            }
+        }
+        let safe = heap.peek().map(|due| due.time);
+        safe.map_or(TimeOfImpact::NoHit, |time| TimeOfImpact::Undecided { safe_time: rounded_down(time) })
+    }
+
+    fn sight(&mut self, due: &Due) -> Sight {
+        let now = Snapshot::new(self.tree, self.kind, &self.movers[0], due.time);
+        let ball = now.ball(due.nodes.level[0].into(), due.nodes.node[0] as usize);
+        let (rotation, center, local_center) = self.movers[1].frame_at(due.time);
+        let offset = ball.center - center;
+        let local = rotation.inverse() * offset + local_center;
+        let seen = (self.surface)(local.as_vec3());
+        let distance = f64::from(seen.distance);
+        let outward = rotation * seen.outward.as_dvec3();
+        Sight { gap: distance - ball.radius - self.target, outward, distance, ball, offset }
+    }
+
+    /// Whether a ball in contact at the start is approaching by enough to count.
+    fn counts(&self, sight: &Sight) -> bool {
+        self.ignored_approach == f64::NEG_INFINITY
+            || -self.rate(sight) * self.max_time > self.ignored_approach
+    }
+
+    /// Velocity of the ball's centre relative to the solid along its outward direction (m/s).
+    fn rate(&self, sight: &Sight) -> f64 {
+        let [a, b] = &self.movers;
+        let velocity = a.velocity + a.spin.cross(sight.ball.arm) - b.velocity - b.spin.cross(sight.offset);
+        sight.outward.dot(velocity)
+    }
+
+    /// A time, at most `rest`, in which the ball does not come within the target distance of the solid.
+    ///
+    /// In B's frame the centre is at `p = Rᵀ D`, with D from B's centre to the ball's. With V a bound of |D'|, the
+    /// acceleration of p is at most `ω_a² |q| + 2 ω_b V + ω_b² |D|`, where |D| grows by no more than V s.
+    fn safe_step(&self, sight: &Sight, rest: f64) -> f64 {
+        if sight.gap.is_nan() {
+            return f64::INFINITY;
+        }
+        if sight.gap <= 0.0 {
+            return 0.0;
+        }
+        let [a, b] = &self.movers;
+        let turning = a.spin.cross(sight.ball.arm).length();
+        let speed = (a.velocity - b.velocity).length() + turning;
+        let (spin, distance) = (b.spin.length(), sight.offset.length());
+        let mut acceleration = a.spin.length() * turning;
+        let mut horizon = f64::INFINITY;
+        if spin > 0.0 {
+            horizon = rest.min(HORIZON * sight.gap / (speed + spin * distance));
+            acceleration += spin * (2.0 * speed + spin * (distance + speed * horizon));
+        }
+        let step = time_to_close(sight.gap, self.rate(sight), acceleration);
+        // A step that ends at the horizon is no contact; beyond the motion's end there is nothing to see.
+        if step <= horizon {
+            step
+        } else if horizon >= rest {
+            f64::INFINITY
+        } else {
+            horizon
+        }
+    }
+
+    fn impact(&self, due: &Due, sight: &Sight) -> Impact {
+        let Sight { outward, ball, distance, .. } = sight;
+        Impact {
+            time: rounded_down(due.time),
+            point_a: (ball.center - ball.radius * *outward).as_vec3(),
+            point_b: (ball.center - *distance * *outward).as_vec3(),
+            normal: -outward.as_vec3(),
+            sphere_a: self.tree.packing_index(due.nodes.node[0] as usize),
+            sphere_b: 0,
+        }
+    }
+}
