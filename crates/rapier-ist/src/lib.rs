@@ -38,9 +38,11 @@
 mod against_shape;
 mod candidates;
 mod dispatcher;
+mod force_events;
 #[cfg(feature = "packer")]
 mod from_mesh;
 mod hooks;
+mod kinematic;
 mod lookahead;
 mod model;
 mod penalty;
@@ -51,6 +53,10 @@ pub mod record;
 mod report;
 mod response;
 mod shape;
+#[cfg(feature = "serde-serialize")]
+pub mod snapshot;
+mod stiffness;
+mod touching;
 mod world_parts;
 
 pub use dispatcher::IstDispatcher;
@@ -58,8 +64,9 @@ pub use dispatcher::IstDispatcher;
 pub use from_mesh::FromMeshError;
 pub use model::{ContactModel, Stiffness, VolumePenalty};
 pub use plugin::IstPlugin;
-pub use report::{PairContact, StepReport};
+pub use report::{ContactState, PairContact, PatchContact, StepReport};
 pub use shape::IstShape;
+pub use stiffness::StiffnessContext;
 pub use world_parts::WorldParts;
 
 // The README's code, compiled with the tests.

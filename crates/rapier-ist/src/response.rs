@@ -1,11 +1,16 @@
 //! From overlapping pairs to forces on bodies.
 
-use crate::penalty::{Island, Material, PairContacts, Screw, SolverBody, islands};
+use crate::penalty::{Island, Material, PairContacts, PatchSum, Screw, SolverBody, islands};
 use crate::query::Contact;
-use crate::{PairContact, Stiffness, VolumePenalty, WorldParts};
+use crate::stiffness::{StiffnessTable, valid};
+use crate::{
+    ContactState, PairContact, PatchContact, StepReport, Stiffness, StiffnessContext, VolumePenalty,
+    WorldParts,
+};
 use rapier3d::dynamics::{CoefficientCombineRule, RigidBody, RigidBodyHandle};
 use rapier3d::geometry::Collider;
 use rapier3d::math::{Real, Vector};
+use std::cmp::Ordering;
 
 /// Stiffness of [`Stiffness::Automatic`] in units of weight per cubed size; see [`automatic_stiffness`].
 ///
@@ -29,14 +34,23 @@ pub(crate) struct BodyForce {
     contact: Screw,
     /// Gravity and the user's own force and torque.
     external: Screw,
+    /// Whether the body is a link of a multibody.
+    is_link: bool,
+}
+
+/// What decides about the materials of pairs.
+#[derive(Clone, Copy)]
+pub(crate) struct ContactLaw<'a> {
+    pub(crate) penalty: &'a VolumePenalty,
+    pub(crate) stiffness: &'a StiffnessTable,
 }
 
 /// Solves for the contact forces of one step and reports them pair by pair.
 pub(crate) fn respond(
     world: &mut WorldParts<'_>,
     contacts: Vec<Contact>,
-    penalty: &VolumePenalty,
-    report: &mut Vec<PairContact>,
+    law: ContactLaw<'_>,
+    report: &mut StepReport,
 ) -> Vec<BodyForce> {
     let dt = f64::from(world.integration_parameters.dt);
     if contacts.is_empty() || dt.is_nan() || dt <= 0.0 {
@@ -48,7 +62,7 @@ pub(crate) fn respond(
     let movable: Vec<bool> = bodies.states.iter().map(SolverBody::is_movable).collect();
     let (pairs, contacts): (Vec<_>, Vec<_>) =
         pairs.into_iter().zip(&contacts).filter(|([a, b], _)| movable[*a] || movable[*b]).unzip();
-    let materials: Vec<Material> = contacts.iter().map(|contact| material(world, contact, penalty)).collect();
+    let materials: Vec<Material> = contacts.iter().map(|contact| material(world, contact, law)).collect();
     let islands = islands(&pairs, &movable);
     let solve = |members: &Vec<usize>| solve_island(&bodies, members, &pairs, (&contacts, &materials), dt);
     #[cfg(feature = "parallel")]
@@ -61,10 +75,13 @@ pub(crate) fn respond(
     collect(&bodies, solved, &pairs, &contacts, report)
 }
 
-/// The bodies that take part, each once, in the order of the contacts. Index 0 is the world itself.
+/// The bodies that take part, each once, in the order of their handles. Index 0 is the world itself.
 struct Bodies {
     handles: Vec<Option<RigidBodyHandle>>,
+    /// First those of `handles`, then all of them once more as what a dominated body sees: they move and do not give
+    /// way.
     states: Vec<SolverBody>,
+    is_link: Vec<bool>,
 }
 
 impl Bodies {
@@ -78,16 +95,35 @@ impl Bodies {
             let movable = body.is_dynamic() && !body.is_sleeping() && body.is_enabled();
             SolverBody::new(body, movable, world.gravity, world.integration_parameters.dt)
         };
-        let states = std::iter::once(SolverBody::FIXED).chain(handles.iter().map(state)).collect();
-        Self { handles: std::iter::once(None).chain(handles.into_iter().map(Some)).collect(), states }
+        let mut states: Vec<_> = std::iter::once(SolverBody::FIXED).chain(handles.iter().map(state)).collect();
+        states.extend_from_within(..);
+        states[handles.len() + 1..].iter_mut().for_each(|state| *state = state.unyielding());
+        let handles: Vec<_> = std::iter::once(None).chain(handles.into_iter().map(Some)).collect();
+        let is_link = |handle: &Option<RigidBodyHandle>| {
+            handle.is_some_and(|handle| world.multibody_joints.rigid_body_link(handle).is_some())
+        };
+        Self { is_link: handles.iter().map(is_link).collect(), handles, states }
     }
 
     fn pair(&self, world: &WorldParts<'_>, contact: &Contact) -> [usize; 2] {
-        contact.candidate.colliders.map(|collider| {
-            let parent = world.colliders.get(collider).and_then(Collider::parent);
+        let parents = contact
+            .candidate
+            .colliders
+            .map(|collider| world.colliders.get(collider).and_then(Collider::parent));
+        let [a, b] = parents.map(|parent| {
             let key = parent.map(RigidBodyHandle::into_raw_parts);
             self.handles.binary_search_by_key(&key, |h| h.map(RigidBodyHandle::into_raw_parts)).unwrap_or(0)
-        })
+        });
+        // As in Rapier: what is not dynamic dominates everything that is.
+        let dominance = |parent: Option<RigidBodyHandle>| {
+            let body = parent.and_then(|parent| world.bodies.get(parent));
+            body.map_or(i16::MAX, RigidBody::effective_dominance_group)
+        };
+        match dominance(parents[0]).cmp(&dominance(parents[1])) {
+            Ordering::Greater => [a + self.handles.len(), b],
+            Ordering::Less => [a, b + self.handles.len()],
+            Ordering::Equal => [a, b],
+        }
     }
 }
 
@@ -98,6 +134,8 @@ struct Solved {
     depth: f64,
     wrench: Screw,
     relative_velocity: Screw,
+    /// With the wrenches on the second body about the pair's origin.
+    patches: Vec<(PatchSum, Screw)>,
 }
 
 fn solve_island(
@@ -118,12 +156,16 @@ fn solve_island(
     let contacts = contacts.collect();
     let mut island = Island::new(used.iter().map(|&body| bodies.states[body]).collect(), contacts);
     island.solve(dt);
-    let solved = members.iter().enumerate().map(|(index, &pair)| Solved {
-        pair,
-        origin: island.pairs[index].origin,
-        depth: island.pairs[index].depth,
-        wrench: island.pair_wrench(index),
-        relative_velocity: island.pairs[index].relative_twist(&island.bodies, |i| island.bodies[i].velocity),
+    let solved = members.iter().enumerate().map(|(index, &pair)| {
+        let (contacts, twist) = (&island.pairs[index], island.pair_twist(index));
+        Solved {
+            pair,
+            origin: contacts.origin,
+            depth: contacts.depth,
+            wrench: contacts.wrench(twist),
+            relative_velocity: contacts.relative_twist(&island.bodies, |i| island.bodies[i].velocity),
+            patches: contacts.patches.iter().map(|patch| (*patch, patch.wrench(twist))).collect(),
+        }
     });
     solved.collect()
 }
@@ -134,18 +176,28 @@ fn collect(
     solved: Vec<Vec<Solved>>,
     pairs: &[[usize; 2]],
     contacts: &[&Contact],
-    report: &mut Vec<PairContact>,
+    report: &mut StepReport,
 ) -> Vec<BodyForce> {
     let mut solved: Vec<Solved> = solved.into_iter().flatten().filter(|s| s.wrench.is_finite()).collect();
     solved.sort_unstable_by_key(|s| s.pair);
     let mut sums = vec![Screw::ZERO; bodies.states.len()];
-    for Solved { pair, origin, depth, wrench, relative_velocity } in solved {
+    for Solved { pair, origin, depth, wrench, relative_velocity, patches } in solved {
         let [a, b] = pairs[pair];
         sums[b] += wrench.wrench_from(origin - bodies.states[b].center_of_mass);
         sums[a] += -wrench.wrench_from(origin - bodies.states[a].center_of_mass);
-        report.push(PairContact {
+        report.patches.extend(patches.into_iter().map(|(patch, wrench)| PatchContact {
+            pair: report.contacts.len(),
+            volume: patch.volume as Real,
+            depth: patch.depth as Real,
+            centroid: (origin + patch.arm).as_vec3(),
+            force: wrench.linear.as_vec3(),
+            torque: wrench.wrench_from(-patch.arm).angular.as_vec3(),
+            relative_velocity: relative_velocity.twist_at(patch.arm).linear.as_vec3(),
+        }));
+        report.contacts.push(PairContact {
             collider_a: contacts[pair].candidate.colliders[0],
             collider_b: contacts[pair].candidate.colliders[1],
+            state: ContactState::Started,
             volume: contacts[pair].samples.iter().map(|s| s.volume).sum(),
             depth: depth as Real,
             centroid: origin.as_vec3(),
@@ -154,24 +206,22 @@ fn collect(
             relative_velocity: relative_velocity.linear.as_vec3(),
         });
     }
-    let moved = (0..sums.len()).filter(|&i| bodies.states[i].is_movable());
+    let moved = (0..bodies.handles.len()).filter(|&i| bodies.states[i].is_movable());
     let force = |i: usize| {
-        Some(BodyForce { handle: bodies.handles[i]?, contact: sums[i], external: bodies.states[i].external })
+        let (contact, external, is_link) = (sums[i], bodies.states[i].external, bodies.is_link[i]);
+        Some(BodyForce { handle: bodies.handles[i]?, contact, external, is_link })
     };
     moved.filter_map(force).collect()
 }
 
-fn material(world: &WorldParts<'_>, contact: &Contact, penalty: &VolumePenalty) -> Material {
+fn material(world: &WorldParts<'_>, contact: &Contact, law: ContactLaw<'_>) -> Material {
+    let penalty = law.penalty;
     let [a, b] = contact.candidate.colliders.map(|handle| world.colliders[handle].material());
     let combine = CoefficientCombineRule::combine;
     let unit = f64::from(world.integration_parameters.length_unit);
-    let stiffness = match penalty.stiffness {
-        Stiffness::Automatic => automatic_stiffness(world, contact),
-        Stiffness::Uniform(stiffness) => f64::from(stiffness.max(0.0)),
-    };
     Material {
-        stiffness,
-        dissipation: f64::from(penalty.dissipation.max(0.0)),
+        stiffness: stiffness(world, contact, law),
+        dissipation: f64::from(penalty.dissipation),
         friction: combine(a.friction, b.friction, a.friction_combine_rule, b.friction_combine_rule)
             .max(0.0)
             .into(),
@@ -187,6 +237,28 @@ fn material(world: &WorldParts<'_>, contact: &Contact, penalty: &VolumePenalty) 
         recovery_speed: (f64::from(penalty.recovery_speed) * unit).max(f64::MIN_POSITIVE),
         rebound_speed: REBOUND_SPEED * unit,
     }
+}
+
+/// Stiffness (N/m³) of a pair: the callback's, else the colliders' own, else the model's.
+fn stiffness(world: &WorldParts<'_>, contact: &Contact, law: ContactLaw<'_>) -> f64 {
+    let [collider_a, collider_b] = contact.candidate.colliders;
+    let stiffness = law.stiffness.of_colliders([collider_a, collider_b]).unwrap_or_else(|| {
+        match law.penalty.stiffness {
+            Stiffness::Automatic => automatic_stiffness(world, contact),
+            Stiffness::Uniform(stiffness) => valid(stiffness),
+        }
+    });
+    let parent = |collider| world.colliders.get(collider).and_then(Collider::parent);
+    law.stiffness.of_pair(stiffness, |stiffness| StiffnessContext {
+        bodies: world.bodies,
+        colliders: world.colliders,
+        collider_a,
+        collider_b,
+        body_a: parent(collider_a),
+        body_b: parent(collider_b),
+        volume: contact.samples.iter().map(|s| s.volume).sum(),
+        stiffness,
+    })
 }
 
 /// Stiffness (N/m³) at which the lighter body's weight makes it sink by a small share of the smaller body's size L:
@@ -235,9 +307,15 @@ impl UserForces {
     pub(crate) fn suspend(world: &mut WorldParts<'_>, forces: Vec<BodyForce>) -> Self {
         let dt = world.integration_parameters.dt;
         let mut before = Vec::with_capacity(forces.len());
-        for BodyForce { handle, contact, external } in forces {
+        for BodyForce { handle, contact, external, is_link } in forces {
             let Some(body) = world.bodies.get_mut(handle) else { continue };
             before.push((handle, body.user_force(), body.user_torque()));
+            if is_link {
+                // Rapier computes the velocities of links from their joints: impulses on links are lost, forces are not.
+                body.add_force(contact.linear.as_vec3(), false);
+                body.add_torque(contact.angular.as_vec3(), false);
+                continue;
+            }
             let impulse = (contact + external) * f64::from(dt);
             body.apply_impulse(impulse.linear.as_vec3(), false);
             body.apply_torque_impulse(impulse.angular.as_vec3(), false);
@@ -250,7 +328,9 @@ impl UserForces {
     /// Gives the user's forces back, bit for bit.
     pub(crate) fn restore(self, world: &mut WorldParts<'_>) {
         for (handle, force, torque) in self.0 {
-            let Some(body) = world.bodies.get_mut(handle) else { continue };
+            // What Rapier took out of the simulation in this step has lost its forces by that.
+            let enabled = |body: &&mut RigidBody| body.is_enabled();
+            let Some(body) = world.bodies.get_mut(handle).filter(enabled) else { continue };
             body.reset_forces(false);
             body.reset_torques(false);
             body.add_force(force, false);

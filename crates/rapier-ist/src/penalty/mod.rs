@@ -25,7 +25,7 @@ mod twist;
 
 pub(crate) use body::SolverBody;
 pub(crate) use island::islands;
-pub(crate) use pair::{Material, PairContacts};
+pub(crate) use pair::{Material, PairContacts, PatchSum};
 pub(crate) use system::Island;
 pub(crate) use twist::Screw;
 
@@ -37,7 +37,7 @@ const PASS_TOLERANCE: f64 = 1e-3;
 
 impl Island {
     /// Finds the velocities at the end of a step of `dt` seconds; contact wrenches are then those of
-    /// [`Island::pair_wrench`].
+    /// [`PairContacts::wrench`] and [`PatchSum::wrench`] at [`Island::pair_twist`].
     pub(crate) fn solve(&mut self, dt: f64) {
         for _ in 0..MAX_PASSES {
             self.pairs.iter_mut().for_each(PairContacts::linearize);
@@ -50,12 +50,8 @@ impl Island {
         }
     }
 
-    /// Mean wrench of pair `pair` on its second body during the step, about the pair's origin.
-    pub(crate) fn pair_wrench(&self, pair: usize) -> Screw {
-        self.pairs[pair].wrench(self.pair_twist(pair))
-    }
-
-    fn pair_twist(&self, pair: usize) -> Screw {
+    /// Relative twist of pair `pair` at the end of the step, at its origin.
+    pub(crate) fn pair_twist(&self, pair: usize) -> Screw {
         self.pairs[pair].relative_twist(&self.bodies, |i| self.final_twist(i))
     }
 }

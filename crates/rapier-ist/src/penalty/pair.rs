@@ -1,7 +1,7 @@
 //! The contact of one pair of bodies inside the penalty solve.
 
 use super::body::SolverBody;
-use super::patch::patches;
+use super::patch::{Patch, patches};
 use super::twist::{Screw, Symmetric6};
 use crate::lookahead::Displacement;
 use crate::query::Contact;
@@ -35,10 +35,46 @@ pub(crate) struct PairContacts {
     pub(crate) depth: f64,
     material: Material,
     samples: Vec<Sample>,
+    /// In the order of the samples.
+    pub(crate) patches: Vec<PatchSum>,
     /// Wrench on b at zero relative velocity.
     offset: Screw,
     /// What a relative twist takes away from it.
     damping: Symmetric6,
+}
+
+/// What a patch contributes to the wrench of its pair.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PatchSum {
+    /// Number of its samples.
+    count: usize,
+    pub(crate) volume: f64,
+    pub(crate) depth: f64,
+    /// From the origin of the pair to the centroid of the patch.
+    pub(crate) arm: DVec3,
+    offset: Screw,
+    damping: Symmetric6,
+}
+
+impl PatchSum {
+    /// Without a wrench yet; `arm` leads from the pair's origin to where a point of the predicted contact acts.
+    fn of(patch: &Patch<'_>, arm: impl Fn(DVec3) -> DVec3) -> Self {
+        let volume: f64 = patch.samples.iter().map(|s| f64::from(s.volume)).sum();
+        let moment: DVec3 = patch.samples.iter().map(|s| s.point.as_dvec3() * f64::from(s.volume)).sum();
+        Self {
+            count: patch.samples.len(),
+            volume,
+            depth: patch.depth,
+            arm: arm(moment / volume.max(f64::MIN_POSITIVE)),
+            offset: Screw::ZERO,
+            damping: Symmetric6::ZERO,
+        }
+    }
+
+    /// Wrench on b about the origin of the pair at the given relative twist.
+    pub(crate) fn wrench(&self, twist: Screw) -> Screw {
+        self.offset - self.damping * twist
+    }
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -92,8 +128,11 @@ impl PairContacts {
             let force = (damping * (free_speed - approach)).max(0.0);
             Sample { arm, normal, damping, free_speed, force, slip: slip(velocity, normal) }
         });
-        let samples = samples.collect();
-        Self { bodies, origin, depth, material, samples, offset: Screw::ZERO, damping: Symmetric6::ZERO }
+        let samples: Vec<Sample> = samples.collect();
+        let patches = patches.iter().map(|patch| PatchSum::of(patch, |point| point - back(point) - origin));
+        let patches = patches.collect();
+        let (offset, damping) = (Screw::ZERO, Symmetric6::ZERO);
+        Self { bodies, origin, depth, material, samples, patches, offset, damping }
     }
 
     /// Linearises the wrench about the forces and slips of the last pass.
@@ -102,13 +141,21 @@ impl PairContacts {
     /// regularised Coulomb coefficient `c_t = μ f / max(|u_t|, u_creep)` of the last pass.
     pub(crate) fn linearize(&mut self) {
         (self.offset, self.damping) = (Screw::ZERO, Symmetric6::ZERO);
-        for s in self.samples.iter().filter(|s| s.force > 0.0) {
-            let tangential = self.material.friction * s.force / s.slip.max(self.material.creep_speed);
-            let outer = DMat3::from_cols(s.normal * s.normal.x, s.normal * s.normal.y, s.normal * s.normal.z);
-            let damper = outer * (s.damping - tangential) + DMat3::from_diagonal(DVec3::splat(tangential));
-            self.damping.add_damper(damper, s.arm);
-            let force = s.normal * (s.damping * s.free_speed);
-            self.offset += Screw { linear: force, angular: s.arm.cross(force) };
+        let mut samples = self.samples.iter();
+        for patch in &mut self.patches {
+            (patch.offset, patch.damping) = (Screw::ZERO, Symmetric6::ZERO);
+            for s in samples.by_ref().take(patch.count).filter(|s| s.force > 0.0) {
+                let tangential = self.material.friction * s.force / s.slip.max(self.material.creep_speed);
+                let outer =
+                    DMat3::from_cols(s.normal * s.normal.x, s.normal * s.normal.y, s.normal * s.normal.z);
+                let damper =
+                    outer * (s.damping - tangential) + DMat3::from_diagonal(DVec3::splat(tangential));
+                patch.damping.add_damper(damper, s.arm);
+                let force = s.normal * (s.damping * s.free_speed);
+                patch.offset += Screw { linear: force, angular: s.arm.cross(force) };
+            }
+            self.offset += patch.offset;
+            self.damping += patch.damping;
         }
     }
 
