@@ -91,18 +91,18 @@ impl PhysicsHooks for OneWay {
 #[test]
 fn a_one_way_platform_works() {
     let (mut world, mut plugin) = grounded();
-    let platform = ColliderBuilder::cuboid(1.0, 0.1, 1.0).active_hooks(ActiveHooks::MODIFY_SOLVER_CONTACTS);
+    let platform = ColliderBuilder::cuboid(1.0, 0.2, 1.0).active_hooks(ActiveHooks::MODIFY_SOLVER_CONTACTS);
     let platform = world.insert(RigidBodyBuilder::fixed().translation(Vector::Y), platform).1;
     let hooks = OneWay(platform);
     let upright = LockedAxes::TRANSLATION_LOCKED_X | LockedAxes::TRANSLATION_LOCKED_Z;
-    let body = dynamic(Vector::Y * 0.5).linvel(Vector::Y * 6.0).locked_axes(upright);
+    let body = dynamic(Vector::Y * 0.5).linvel(Vector::Y * 5.0).locked_axes(upright);
     let body = world.insert(body, ball_collider()).0;
     let mut highest = 0.0_f32;
     for _ in 0..180 {
         plugin.step_with_events(&mut world, &hooks, &());
         highest = highest.max(height(&world, body));
     }
-    // From 0.5 m at 6 m/s a free body rises by v²/2g = 1.83 m.
-    assert!(highest > 2.2, "nothing stops it on its way up: {highest}");
-    assert!((height(&world, body) - 1.2).abs() < 0.02, "it comes to rest on top: {}", height(&world, body));
+    // From 0.5 m at 5 m/s a free body rises by v²/2g = 1.27 m.
+    assert!(highest > 1.7, "nothing stops it on its way up: {highest}");
+    assert!((height(&world, body) - 1.3).abs() < 0.02, "it comes to rest on top: {}", height(&world, body));
 }

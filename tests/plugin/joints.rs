@@ -31,7 +31,10 @@ fn a_pendulum_of_impulse_joints_swings_against_a_wall() {
     let bob = world.insert(dynamic(Vector::new(1.0, 2.0, 0.0)).can_sleep(false), ball_collider()).0;
     let joint = SphericalJointBuilder::new().local_anchor2(Vector::X * -1.0);
     world.insert_impulse_joint(anchor, bob, joint);
-    world.insert(RigidBodyBuilder::fixed(), ball_of(0.5).into_collider().translation(Vector::new(-0.5, 1.0, 0.0)));
+    world.insert(
+        RigidBodyBuilder::fixed(),
+        ball_of(0.5).into_collider().translation(Vector::new(-0.5, 1.0, 0.0)),
+    );
     for _ in 0..600 {
         plugin.step(&mut world);
         let bob = world.bodies[bob].translation();
@@ -51,7 +54,8 @@ fn arm(links: usize) -> (PhysicsWorld, IstPlugin, Vec<RigidBodyHandle>) {
     for index in 0..links {
         let body = dynamic(Vector::new(0.4 * index as f32 + 0.2, 0.5, 0.0)).can_sleep(false);
         let last = index + 1 == links;
-        let collider = if last { ball_collider() } else { ColliderBuilder::cuboid(0.1, 0.02, 0.02).density(DENSITY) };
+        let collider =
+            if last { ball_collider() } else { ColliderBuilder::cuboid(0.1, 0.02, 0.02).density(DENSITY) };
         let body = world.insert(body, collider.friction(0.0)).0;
         let offset = if index == 0 { 0.0 } else { 0.2 };
         let joint = RevoluteJointBuilder::new(Vector::Z)
@@ -77,7 +81,10 @@ fn a_multibody_arm_rests_on_an_inner_sphere_tree() {
         let center = Vector::new(0.4 * links as f32 - 0.2, 0.2, 0.0);
         if links == 1 {
             let tip = world.bodies[last].translation();
-            assert!((tip.distance(world.bodies[base].translation()) - 0.2).abs() < 1e-3, "the joint holds: {tip}");
+            assert!(
+                (tip.distance(world.bodies[base].translation()) - 0.2).abs() < 1e-3,
+                "the joint holds: {tip}"
+            );
             assert!((tip.distance(center) - 0.3).abs() < 0.01, "it rests on the ball: {tip}");
             assert!(world.bodies[last].linvel().length() < 0.01);
         }
@@ -90,7 +97,8 @@ fn a_link_at_rest_is_held_with_the_force_of_its_lever() {
     // A ball on a hinge of 0.4 m pressed on a half-space: the moments about the hinge are in balance.
     let (mut world, mut plugin) = grounded();
     let base = world.insert_body(RigidBodyBuilder::fixed().translation(Vector::Y * 0.1));
-    let (link, collider) = world.insert(dynamic(Vector::new(0.4, 0.1, 0.0)).can_sleep(false), ball_collider());
+    let (link, collider) =
+        world.insert(dynamic(Vector::new(0.4, 0.1, 0.0)).can_sleep(false), ball_collider());
     let joint = RevoluteJointBuilder::new(Vector::Z).local_anchor2(Vector::X * -0.4);
     world.insert_multibody_joint(base, link, joint).unwrap();
     run(&mut plugin, &mut world, 240);
@@ -113,5 +121,8 @@ fn a_body_lands_on_a_free_multibody() {
     let momentum: f32 = [a, b, shot].iter().map(|&body| world.bodies[body].linvel().x).sum();
     assert!((momentum - 2.0).abs() < 0.02, "momentum is kept: {momentum}");
     let velocities = [a, b, shot].map(|body| world.bodies[body].linvel().x);
-    assert!((velocities[0] - velocities[1]).abs() < 1e-3 && velocities[0] > velocities[2] - 1e-3, "{velocities:?}");
+    assert!(
+        (velocities[0] - velocities[1]).abs() < 1e-3 && velocities[0] > velocities[2] - 1e-3,
+        "{velocities:?}"
+    );
 }

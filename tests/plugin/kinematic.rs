@@ -5,7 +5,8 @@ use super::*;
 #[test]
 fn a_velocity_based_body_carries_a_load() {
     let (mut world, mut plugin) = grounded();
-    let lift = RigidBodyBuilder::kinematic_velocity_based().translation(Vector::Y * 0.5).linvel(Vector::Y * 0.5);
+    let lift =
+        RigidBodyBuilder::kinematic_velocity_based().translation(Vector::Y * 0.5).linvel(Vector::Y * 0.5);
     let lift = world.insert(lift, ball_of(0.5).into_collider()).0;
     let upright = LockedAxes::TRANSLATION_LOCKED_X | LockedAxes::TRANSLATION_LOCKED_Z;
     let load = world.insert(dynamic(Vector::Y * 1.1).locked_axes(upright), ball_collider()).0;

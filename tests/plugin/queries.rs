@@ -23,8 +23,9 @@ fn a_vehicle_stands_on_its_suspension() {
     let chassis = ColliderBuilder::cuboid(0.5, 0.1, 0.3).density(100.0);
     let chassis = world.insert(dynamic(Vector::Y * 0.6).can_sleep(false), chassis).0;
     let mut vehicle = DynamicRayCastVehicleController::new(chassis);
+    let tuning = WheelTuning { suspension_stiffness: 30.0, ..WheelTuning::default() };
     for (x, z) in [(-0.4, -0.3), (-0.4, 0.3), (0.4, -0.3), (0.4, 0.3)] {
-        vehicle.add_wheel(Vector::new(x, 0.0, z), -Vector::Y, Vector::Z, 0.3, 0.1, &WheelTuning::default());
+        vehicle.add_wheel(Vector::new(x, 0.0, z), -Vector::Y, Vector::Z, 0.3, 0.1, &tuning);
     }
     for _ in 0..300 {
         let queries = world.broad_phase.as_query_pipeline_mut(

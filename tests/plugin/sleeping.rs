@@ -93,7 +93,7 @@ fn a_body_put_down_gently_wakes_what_it_lies_on() {
 fn a_woken_body_goes_to_sleep_again() {
     let (mut world, mut plugin, [lower, upper]) = tower();
     world.bodies[upper].apply_impulse(Vector::Y * 4.0, true);
-    run(&mut plugin, &mut world, 20);
+    run(&mut plugin, &mut world, 6);
     assert!(!world.bodies[upper].is_sleeping() && height(&world, upper) > 0.31);
     run(&mut plugin, &mut world, 400);
     assert!([lower, upper].iter().all(|&body| world.bodies[body].is_sleeping()));

@@ -9,7 +9,8 @@ use std::sync::Mutex;
 fn substeps_are_steps_of_a_part_of_the_time() {
     let scene = || {
         let (mut world, plugin) = grounded();
-        let bodies = [0.1, 0.32, 0.6].map(|y| world.insert(dynamic(Vector::new(y * 0.1, y, 0.0)), ball_collider()).0);
+        let bodies =
+            [0.1, 0.32, 0.6].map(|y| world.insert(dynamic(Vector::new(y * 0.1, y, 0.0)), ball_collider()).0);
         world.bodies[bodies[2]].add_force(Vector::X * 3.0, true);
         (world, plugin, bodies)
     };
@@ -71,7 +72,10 @@ fn a_lost_dispatcher_is_replaced_and_told_once() {
         assert!(!plugin.step(&mut world).dispatcher_replaced);
     }
     let messages = LOG.0.lock().unwrap().clone();
-    assert!(messages.len() == 1 && messages[0].starts_with("WARN") && messages[0].contains("dispatcher"), "{messages:?}");
+    assert!(
+        messages.len() == 1 && messages[0].starts_with("WARN") && messages[0].contains("dispatcher"),
+        "{messages:?}"
+    );
     assert!(height(&world, body) > 0.08);
     assert_eq!(world.narrow_phase.contact_pairs().count(), 1, "Rapier sees the pair again");
 }
@@ -109,7 +113,11 @@ fn two_plugins_may_take_turns() {
     same.insert(dynamic(Vector::Y * 0.3), ball_collider());
     for step in 0..60 {
         plugin.step(&mut world);
-        if step % 2 == 0 { first.step(&mut same) } else { second.step(&mut same) };
+        if step % 2 == 0 {
+            first.step(&mut same)
+        } else {
+            second.step(&mut same)
+        };
         assert_eq!(bits(&world, body), bits(&same, body));
     }
 }
@@ -121,7 +129,8 @@ fn runs_are_equal_bit_for_bit_on_any_number_of_threads() {
         pool.install(|| {
             let (mut world, mut plugin) = grounded();
             plugin.substeps = 2;
-            let place = |i: u32| Vector::new(0.15 * (i % 4) as f32, 0.1 + 0.1 * i as f32, 0.13 * (i % 3) as f32);
+            let place =
+                |i: u32| Vector::new(0.15 * (i % 4) as f32, 0.1 + 0.1 * i as f32, 0.13 * (i % 3) as f32);
             let body = |i| dynamic(place(i)).dominance_group((i % 2) as i8);
             let bodies: Vec<_> = (0..12).map(|i| world.insert(body(i), ball_collider()).0).collect();
             for _ in 0..60 {

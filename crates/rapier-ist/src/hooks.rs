@@ -67,7 +67,8 @@ fn change(
     change: impl Fn(ActiveHooks) -> ActiveHooks,
 ) {
     // Only what changes is borrowed mutably: Rapier looks again at every collider that was.
-    let handles: Vec<_> = world.colliders.iter().filter(|(_, c)| which(c)).map(|(handle, _)| handle).collect();
+    let handles: Vec<_> =
+        world.colliders.iter().filter(|(_, c)| which(c)).map(|(handle, _)| handle).collect();
     for handle in handles {
         if let Some(collider) = world.colliders.get_mut(handle) {
             collider.set_active_hooks(change(collider.active_hooks()));

@@ -8,16 +8,14 @@ use crate::query::contacts;
 use crate::response::{ContactLaw, UserForces, respond};
 use crate::stiffness::StiffnessTable;
 use crate::touching::Touching;
-use crate::{
-    ContactModel, IstDispatcher, IstShape, StepReport, StiffnessContext, VolumePenalty, WorldParts,
-};
+use crate::{ContactModel, IstDispatcher, IstShape, StepReport, StiffnessContext, VolumePenalty, WorldParts};
 use ist::{InnerSphere, SolidProperties, SpherePacking};
 use rapier3d::dynamics::IntegrationParameters;
 use rapier3d::geometry::{ColliderHandle, NarrowPhase};
 use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::query::{DefaultQueryDispatcher, QueryDispatcher};
 use rapier3d::pipeline::{EventHandler, PhysicsHooks, PhysicsWorld};
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 use std::time::Instant;
 
 /// Makes colliders with an [`IstShape`] collide: call [`Self::step`] where you called `world.step()`.
@@ -43,7 +41,13 @@ use std::time::Instant;
 ///   Rapier then disables it. So does a body whose mass is not a number that f32 can divide by.
 /// - A collider with a pose that is not finite touches nothing.
 /// - A body without mass is not moved by contacts.
-/// - Friction that is NaN or negative counts as 0, restitution that is NaN as 0.
+/// - Friction that is NaN or negative counts as 0, over 100 as 100; restitution counts as the nearest from 0 to 1, NaN
+///   as 0.
+/// - Stiffness over `1e8 m/(h² L²)`, with the lighter body's mass m, the time step h and the smaller body's size L,
+///   counts as that: more cannot be told from rigid. Without stiffness bodies fall through each other.
+/// - Time steps in which a body falls farther than its own size, 1 s or 1/60 s for bodies under some millimetres: all
+///   stays finite, but bodies sink in and bounce. Use [`Self::substeps`], and `length_unit` for small bodies.
+/// - Bodies in exactly the same place come apart in some direction.
 /// - A time step that is zero, negative or NaN: no contact is looked for, the report has none, and
 ///   Rapier does what it does for such a step.
 /// - See [`VolumePenalty`] for its parameters.
@@ -200,7 +204,8 @@ impl IstPlugin {
             return;
         };
         switch_filters_on(world);
-        let forces = if has_length(world) { self.respond(world, hooks, &penalty.in_range()) } else { Vec::new() };
+        let forces =
+            if has_length(world) { self.respond(world, hooks, &penalty.in_range()) } else { Vec::new() };
         let user_forces = UserForces::suspend(world, forces);
         world.step(&PenaltyHooks { user: hooks }, events);
         user_forces.restore(world);
@@ -232,8 +237,7 @@ fn has_length(world: &WorldParts<'_>) -> bool {
 
 /// Installs the dispatcher unless the one in place knows inner sphere trees, and tells whether it did.
 fn ensure_dispatcher(narrow_phase: &mut NarrowPhase) -> bool {
-    let probe = probe();
-    let known = probe.as_ref().is_none_or(|probe| {
+    let known = PROBE.as_ref().is_none_or(|probe| {
         narrow_phase.query_dispatcher().intersection_test(&Pose::IDENTITY, probe, probe).is_ok()
     });
     if !known {
@@ -243,7 +247,7 @@ fn ensure_dispatcher(narrow_phase: &mut NarrowPhase) -> bool {
 }
 
 /// A unit ball to ask a dispatcher about.
-fn probe() -> Option<IstShape> {
+static PROBE: LazyLock<Option<IstShape>> = LazyLock::new(|| {
     let ball = InnerSphere::solid_ball(Vector::ZERO, 1.0, Vector::X);
     Some(IstShape::from_packing(&SpherePacking::new(vec![ball], SolidProperties::ball(1.0)).ok()?))
-}
+});

@@ -26,6 +26,13 @@ const REBOUND_SPEED: f64 = 0.2;
 /// Speed (m/s, times `length_unit`) of a contact point from which on it wakes a sleeping body.
 const WAKE_SPEED: f64 = 0.05;
 
+/// Friction from which on more makes no difference: a slope this steep is a wall.
+const MOST_FRICTION: Real = 100.0;
+
+/// Stiffness from which on a contact is rigid, and the linear system only worse for it, in units of m/(h² L²), with
+/// the lighter body's mass m, the time step h and the smaller body's size L. Balls of 0.1 m under 1e12 N/m³ are at 3e6.
+const RIGID: f64 = 1e8;
+
 /// What the contacts do to one body in a step, about its centre of mass.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BodyForce {
@@ -95,7 +102,8 @@ impl Bodies {
             let movable = body.is_dynamic() && !body.is_sleeping() && body.is_enabled();
             SolverBody::new(body, movable, world.gravity, world.integration_parameters.dt)
         };
-        let mut states: Vec<_> = std::iter::once(SolverBody::FIXED).chain(handles.iter().map(state)).collect();
+        let mut states: Vec<_> =
+            std::iter::once(SolverBody::FIXED).chain(handles.iter().map(state)).collect();
         states.extend_from_within(..);
         states[handles.len() + 1..].iter_mut().for_each(|state| *state = state.unyielding());
         let handles: Vec<_> = std::iter::once(None).chain(handles.into_iter().map(Some)).collect();
@@ -224,6 +232,7 @@ fn material(world: &WorldParts<'_>, contact: &Contact, law: ContactLaw<'_>) -> M
         dissipation: f64::from(penalty.dissipation),
         friction: combine(a.friction, b.friction, a.friction_combine_rule, b.friction_combine_rule)
             .max(0.0)
+            .min(MOST_FRICTION)
             .into(),
         restitution: combine(
             a.restitution,
@@ -242,14 +251,13 @@ fn material(world: &WorldParts<'_>, contact: &Contact, law: ContactLaw<'_>) -> M
 /// Stiffness (N/m³) of a pair: the callback's, else the colliders' own, else the model's.
 fn stiffness(world: &WorldParts<'_>, contact: &Contact, law: ContactLaw<'_>) -> f64 {
     let [collider_a, collider_b] = contact.candidate.colliders;
-    let stiffness = law.stiffness.of_colliders([collider_a, collider_b]).unwrap_or_else(|| {
-        match law.penalty.stiffness {
+    let stiffness =
+        law.stiffness.of_colliders([collider_a, collider_b]).unwrap_or_else(|| match law.penalty.stiffness {
             Stiffness::Automatic => automatic_stiffness(world, contact),
             Stiffness::Uniform(stiffness) => valid(stiffness),
-        }
-    });
+        });
     let parent = |collider| world.colliders.get(collider).and_then(Collider::parent);
-    law.stiffness.of_pair(stiffness, |stiffness| StiffnessContext {
+    let stiffness = law.stiffness.of_pair(stiffness, |stiffness| StiffnessContext {
         bodies: world.bodies,
         colliders: world.colliders,
         collider_a,
@@ -258,23 +266,30 @@ fn stiffness(world: &WorldParts<'_>, contact: &Contact, law: ContactLaw<'_>) -> 
         body_b: parent(collider_b),
         volume: contact.samples.iter().map(|s| s.volume).sum(),
         stiffness,
-    })
+    });
+    let (dt, size) = (f64::from(world.integration_parameters.dt), f64::from(contact.size));
+    stiffness.min(RIGID * lighter_mass(world, contact) / (dt * dt * size * size))
 }
 
 /// Stiffness (N/m³) at which the lighter body's weight makes it sink by a small share of the smaller body's size L:
 /// weight = k A d, with the contact's cross-section A and depth d in units of L² and L.
 fn automatic_stiffness(world: &WorldParts<'_>, contact: &Contact) -> f64 {
-    let mass = |handle| {
-        let body = world.bodies.get(world.colliders.get(handle)?.parent()?).filter(|b| b.is_dynamic())?;
-        Some(f64::from(body.mass()))
-    };
-    let lighter = contact.candidate.colliders.into_iter().filter_map(mass).fold(f64::INFINITY, f64::min);
+    let lighter = lighter_mass(world, contact);
     let unit = f64::from(world.integration_parameters.length_unit);
     // Without gravity something must stop a body all the same: a metre per second squared, in units of length.
     let gravity = f64::from(world.gravity.length()).max(unit);
     let size = f64::from(contact.size);
     let stiffness = RELATIVE_STIFFNESS * lighter * gravity / (size * size * size);
     if stiffness.is_finite() { stiffness } else { 0.0 }
+}
+
+/// Mass (kg) of the lighter dynamic body of a pair.
+fn lighter_mass(world: &WorldParts<'_>, contact: &Contact) -> f64 {
+    let mass = |handle| {
+        let body = world.bodies.get(world.colliders.get(handle)?.parent()?).filter(|b| b.is_dynamic())?;
+        Some(f64::from(body.mass()))
+    };
+    contact.candidate.colliders.into_iter().filter_map(mass).fold(f64::INFINITY, f64::min)
 }
 
 /// Wakes sleeping bodies that something moving touches.

@@ -20,8 +20,8 @@
 //! # }
 //! ```
 //!
-//! The restored world moves on as the saved one, bit for bit. Of the plugin, copy `model`, `substeps` and
-//! stiffnesses of colliders and pairs.
+//! The restored world moves on as the saved one, bit for bit, as long as nothing sleeps: to Rapier the colliders have a new
+//! shape, and it wakes their bodies. Of the plugin, copy `model`, `substeps` and stiffnesses of colliders and pairs.
 
 use crate::IstShape;
 use rapier3d::geometry::{Collider, ColliderHandle, ColliderSet, SharedShape};
@@ -55,7 +55,8 @@ pub fn restore(
     colliders: &mut ColliderSet,
     mut shape: impl FnMut(ColliderHandle, &Collider) -> Option<IstShape>,
 ) {
-    let known: Vec<_> = colliders.iter().filter_map(|(handle, c)| Some((handle, shape(handle, c)?))).collect();
+    let known: Vec<_> =
+        colliders.iter().filter_map(|(handle, c)| Some((handle, shape(handle, c)?))).collect();
     for (handle, shape) in known {
         if let Some(collider) = colliders.get_mut(handle) {
             collider.set_shape(shape.into_shared());

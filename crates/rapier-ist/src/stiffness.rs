@@ -10,7 +10,6 @@ use std::sync::Arc;
 /// A pair of colliders that overlap or are about to, as [`crate::IstPlugin::set_pair_stiffness`] sees it.
 #[non_exhaustive]
 #[derive(Clone, Copy)]
-#[expect(missing_debug_implementations, reason = "Rapier's sets would print the whole world")]
 pub struct StiffnessContext<'a> {
     /// All bodies, before the step.
     pub bodies: &'a RigidBodySet,

@@ -2,7 +2,7 @@
 //!
 //! Contact samples of body pair (a, b), with unit normals n (a→b) and volumes V, are measured at the poses that the
 //! bodies would reach in a step of length h. The force at the *end* of the step is linearised there:
-//! `f = k V (1 − (h/D + δ) n·(u' − u*))`, with the relative velocities u' at the end of the step and u* that led to
+//! `f = k V (1 − h/D n·(u' − u*) − δ n·u')`, with the relative velocities u' at the end of the step and u* that led to
 //! the predicted poses, and the depth D of the patch that the sample belongs to (volume over cross-section, see
 //! [`patch`]): the patch loses its volume when it separates by D. With friction `μ f / max(|u_t|, u_creep)` on the
 //! tangents the final velocities

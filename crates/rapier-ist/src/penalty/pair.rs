@@ -116,13 +116,14 @@ impl PairContacts {
             let normal = s.normal.as_dvec3();
             let velocity = before.twist_at(arm).linear;
             let approach = velocity.dot(normal);
-            let rate = dt / depth + material.dissipation;
+            let (spring, rate) = (dt / depth, dt / depth + material.dissipation);
             let moved = (displacement_b.at(point) - displacement_a.at(point)).dot(normal) / dt;
             let rebounds = material.restitution > 0.0 && approach < -material.rebound_speed;
             let rebound = if rebounds { -material.restitution * approach } else { f64::NEG_INFINITY };
             // What would push faster than the recovery speed is damped more, with the same force at rest.
-            let at_rest = material.stiffness * f64::from(s.volume) * (1.0 + rate * moved);
-            let free_speed = (moved + 1.0 / rate).min(material.recovery_speed);
+            // Dissipation acts on the velocity itself, not on what it differs from the predicted one.
+            let at_rest = material.stiffness * f64::from(s.volume) * (1.0 + spring * moved);
+            let free_speed = ((1.0 + spring * moved) / rate).min(material.recovery_speed);
             let damping = (at_rest / free_speed).max(material.stiffness * f64::from(s.volume) * rate);
             let free_speed = free_speed.max(rebound);
             let force = (damping * (free_speed - approach)).max(0.0);
