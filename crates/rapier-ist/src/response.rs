@@ -231,8 +231,9 @@ fn material(world: &WorldParts<'_>, contact: &Contact, law: ContactLaw<'_>) -> M
         stiffness: stiffness(world, contact, law),
         dissipation: f64::from(penalty.dissipation),
         friction: combine(a.friction, b.friction, a.friction_combine_rule, b.friction_combine_rule)
+            .clamp(0.0, MOST_FRICTION)
+            // NaN passes through a clamp.
             .max(0.0)
-            .min(MOST_FRICTION)
             .into(),
         restitution: combine(
             a.restitution,
