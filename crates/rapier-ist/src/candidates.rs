@@ -3,15 +3,15 @@
 //! Found anew from the predicted motion before every step, not from Rapier's contact graph, which is as old as the last
 //! detection: a pair that begins to overlap now is pushed now.
 
+use crate::WorldParts;
+use crate::hooks::{is_filtered_by_user, is_solid};
 use crate::lookahead::Displacement;
-use crate::{IstShape, WorldParts};
-use rapier3d::dynamics::{RigidBody, RigidBodyHandle};
+use rapier3d::dynamics::{RigidBody, RigidBodyHandle, RigidBodyType};
 use rapier3d::geometry::{Collider, ColliderHandle, SolverFlags};
 use rapier3d::math::{Pose, Real};
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::parry::partitioning::{Bvh, BvhBuildStrategy};
 use rapier3d::pipeline::{ActiveHooks, PairFilterContext, PhysicsHooks};
-use std::collections::HashSet;
 
 /// Two colliders near each other, of which at least one is an inner sphere tree; the smaller handle first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,11 +26,7 @@ pub(crate) struct Candidate {
 }
 
 /// All pairs whose boxes overlap and which Rapier would let collide, sorted by handles.
-pub(crate) fn candidates(
-    world: &WorldParts<'_>,
-    hooks: &dyn PhysicsHooks,
-    switched_on: &HashSet<ColliderHandle>,
-) -> Vec<Candidate> {
+pub(crate) fn candidates(world: &WorldParts<'_>, hooks: &dyn PhysicsHooks) -> Vec<Candidate> {
     let mut solids = Vec::new();
     let mut others = Vec::new();
     for (handle, collider) in world.colliders.iter_enabled().filter(|(_, c)| !c.is_sensor()) {
@@ -42,12 +38,12 @@ pub(crate) fn candidates(
         let bounds = shape.compute_aabb(&pose).merged(&shape.compute_aabb(&displacement.apply(&pose)));
         let bounds = bounds.loosened(collider.contact_skin());
         let near = Near { handle, collider, pose, displacement, bounds };
-        let list = if collider.shape().as_shape::<IstShape>().is_some() { &mut solids } else { &mut others };
+        let list = if is_solid(collider) { &mut solids } else { &mut others };
         list.push(near);
     }
     let boxes: Vec<Aabb> = solids.iter().map(|solid| solid.bounds).collect();
     let bvh = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
-    let filter = Filter { world, hooks, switched_on };
+    let filter = Filter { world, hooks };
     let mut pairs = Vec::new();
     for (index, solid) in solids.iter().enumerate() {
         // A box is read as f32 extents with a margin of its own in the tree: test again.
@@ -86,7 +82,6 @@ struct Near<'a> {
 struct Filter<'a> {
     world: &'a WorldParts<'a>,
     hooks: &'a dyn PhysicsHooks,
-    switched_on: &'a HashSet<ColliderHandle>,
 }
 
 impl Filter<'_> {
@@ -111,12 +106,21 @@ impl Filter<'_> {
         let awake =
             |body: Option<&RigidBody>| body.is_some_and(|b| b.is_dynamic_or_kinematic() && !b.is_sleeping());
         let dynamic = |body: Option<&RigidBody>| body.is_some_and(RigidBody::is_dynamic);
-        a.collider.collision_groups().test(b.collider.collision_groups())
+        // Rapier hands a body's state on to its colliders during its step; the body itself knows now.
+        let disabled = |body: Option<&RigidBody>| body.is_some_and(|body| !body.is_enabled());
+        if disabled(body_a) || disabled(body_b) {
+            return false;
+        }
+        let types = [body_a, body_b].map(|body| body.map_or(RigidBodyType::Fixed, RigidBody::body_type));
+        let allows = |near: &Near| near.collider.active_collision_types().test(types[0], types[1]);
+        (allows(a) || allows(b))
+            && a.collider.collision_groups().test(b.collider.collision_groups())
             && a.collider.solver_groups().test(b.collider.solver_groups())
             && (dynamic(body_a) || dynamic(body_b))
             && (awake(body_a) || awake(body_b))
             && !self.joined_without_contacts(parent_a, parent_b)
             && self.user_allows(a, b)
+            && self.user_leaves_contacts(a, b)
     }
 
     fn body(&self, handle: Option<RigidBodyHandle>) -> Option<&RigidBody> {
@@ -136,11 +140,7 @@ impl Filter<'_> {
     }
 
     fn user_allows(&self, a: &Near, b: &Near) -> bool {
-        let filters = |near: &Near| {
-            near.collider.active_hooks().contains(ActiveHooks::FILTER_CONTACT_PAIRS)
-                && !self.switched_on.contains(&near.handle)
-        };
-        if !filters(a) && !filters(b) {
+        if !is_filtered_by_user(a.collider) && !is_filtered_by_user(b.collider) {
             return true;
         }
         let context = PairFilterContext {
@@ -153,6 +153,20 @@ impl Filter<'_> {
         };
         let flags = self.hooks.filter_contact_pair(&context);
         flags.is_some_and(|flags| flags.contains(SolverFlags::COMPUTE_RIGID_IMPULSES))
+    }
+
+    /// Whether the user's hook has left any contacts of the pair when Rapier last asked it; where the user has no
+    /// such hook, yes.
+    ///
+    /// The hook works on Rapier's manifolds, which are as old as the last detection. A pair that it has not
+    /// seen yet is not pushed: a one-way platform would otherwise stop everything once.
+    fn user_leaves_contacts(&self, a: &Near, b: &Near) -> bool {
+        let hooks = a.collider.active_hooks() | b.collider.active_hooks();
+        if !hooks.contains(ActiveHooks::MODIFY_SOLVER_CONTACTS) {
+            return true;
+        }
+        let pair = self.world.narrow_phase.contact_pair(a.handle, b.handle);
+        pair.is_some_and(|pair| pair.solver_manifolds().iter().any(|m| !m.data.solver_contacts.is_empty()))
     }
 }
 

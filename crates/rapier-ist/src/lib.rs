@@ -36,12 +36,17 @@
 //! - `parallel`, `enhanced-determinism`, `serde-serialize`, `debug-render`: as Rapier's features of these names.
 
 mod against_shape;
+mod arrival;
+mod bodies;
 mod candidates;
+mod contact_law;
 mod containment;
 mod dispatcher;
+mod force_events;
 #[cfg(feature = "packer")]
 mod from_mesh;
 mod hooks;
+mod kinematic;
 mod lookahead;
 mod memory;
 mod model;
@@ -53,6 +58,13 @@ pub mod record;
 mod report;
 mod response;
 mod shape;
+#[cfg(feature = "serde-serialize")]
+pub mod snapshot;
+mod solution;
+mod stiffness;
+mod touching;
+mod user_forces;
+mod waking;
 mod world_parts;
 
 pub use dispatcher::IstDispatcher;
@@ -60,8 +72,9 @@ pub use dispatcher::IstDispatcher;
 pub use from_mesh::FromMeshError;
 pub use model::{ContactModel, Stiffness, VolumePenalty};
 pub use plugin::IstPlugin;
-pub use report::{PairContact, StepReport};
+pub use report::{ContactState, PairContact, PatchContact, StepReport};
 pub use shape::IstShape;
+pub use stiffness::StiffnessContext;
 pub use world_parts::WorldParts;
 
 // The README's code, compiled with the tests.

@@ -5,6 +5,7 @@
 //! being found deep inside one step too late.
 
 use crate::penalty::Screw;
+use ist::RigidMotion;
 use rapier3d::dynamics::{RigidBody, RigidBodyType};
 use rapier3d::glamx::DVec3;
 use rapier3d::math::{Pose, Real, Rotation};
@@ -61,6 +62,16 @@ impl Displacement {
         let center = self.center.as_vec3();
         let moved = center + self.screw.linear.as_vec3() + turn * (pose.translation - center);
         Pose::from_parts(moved, (turn * pose.rotation).normalize())
+    }
+
+    /// The displacement as a motion of `pose` that takes a time of 1.
+    pub(crate) fn motion(&self, pose: &Pose) -> RigidMotion {
+        RigidMotion {
+            pose: *pose,
+            local_center: pose.inverse_transform_point(self.center.as_vec3()),
+            linear_velocity: self.screw.linear.as_vec3(),
+            angular_velocity: self.screw.angular.as_vec3(),
+        }
     }
 
     /// How far the point that ends up at `point` has moved (m).

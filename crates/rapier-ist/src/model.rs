@@ -19,17 +19,21 @@ impl Default for ContactModel {
 }
 
 /// Parameters of the linearly implicit volume penalty.
+///
+/// Values out of range count as the nearest in range, NaN as the default.
 #[derive(Clone, Copy, Debug)]
 pub struct VolumePenalty {
-    /// Force per overlap volume.
+    /// Force per overlap volume. Colliders and pairs can have their own, see
+    /// [`crate::IstPlugin::set_collider_stiffness`] and [`crate::IstPlugin::set_pair_stiffness`].
     pub stiffness: Stiffness,
     /// Hunt–Crossley dissipation (s/m): the damping force is `k V δ` per m/s of approach. The implicit step
-    /// already takes energy out of a contact; 0 by default.
+    /// already takes energy out of a contact. From 0, the default, to 1e6.
     pub dissipation: Real,
-    /// Fastest that overlap alone pushes bodies apart (m/s, times Rapier's `length_unit`), positive. Faster recovery
-    /// is damped; the force on bodies at rest stays the same.
+    /// Fastest that overlap alone pushes bodies apart (m/s, times Rapier's `length_unit`), from 1e-6 to 1e6, 1 by
+    /// default. Faster recovery is damped; the force on bodies at rest stays the same.
     pub recovery_speed: Real,
-    /// Slip speed (m/s, times Rapier's `length_unit`) under which Coulomb friction goes over into viscous creep.
+    /// Slip speed (m/s, times Rapier's `length_unit`) under which Coulomb friction goes over into viscous creep, from
+    /// 1e-6 to 1e6, 1e-3 by default.
     pub creep_speed: Real,
 }
 
@@ -39,12 +43,26 @@ impl Default for VolumePenalty {
     }
 }
 
+impl VolumePenalty {
+    /// With all values in range.
+    pub(crate) fn in_range(self) -> Self {
+        let Self { dissipation, recovery_speed, creep_speed, .. } = Self::default();
+        let or = |value: Real, default: Real| if value.is_nan() { default } else { value };
+        Self {
+            stiffness: self.stiffness,
+            dissipation: or(self.dissipation, dissipation).clamp(0.0, 1e6),
+            recovery_speed: or(self.recovery_speed, recovery_speed).clamp(1e-6, 1e6),
+            creep_speed: or(self.creep_speed, creep_speed).clamp(1e-6, 1e6),
+        }
+    }
+}
+
 /// Force per overlap volume.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Stiffness {
     /// From the lighter body's weight and the smaller body's size.
     #[default]
     Automatic,
-    /// The same for every pair (N/m³), zero or positive.
+    /// The same for every pair (N/m³), zero or positive; negative values and NaN count as zero.
     Uniform(Real),
 }

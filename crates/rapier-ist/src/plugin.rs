@@ -1,41 +1,102 @@
 //! Volume contacts in a Rapier world.
 
 use crate::candidates::candidates;
-use crate::hooks::PenaltyHooks;
+use crate::contact_law::ContactLaw;
+use crate::force_events::ForceEvents;
+use crate::hooks::{PenaltyHooks, switch_filters_off, switch_filters_on};
+use crate::kinematic::KinematicTargets;
 use crate::memory::Memory;
-use crate::response::{UserForces, respond};
-use crate::{ContactModel, IstDispatcher, IstShape, StepReport, WorldParts};
+use crate::response::respond;
+use crate::stiffness::StiffnessTable;
+use crate::touching::Touching;
+use crate::user_forces::{BodyForce, UserForces};
+use crate::{ContactModel, IstDispatcher, IstShape, StepReport, StiffnessContext, VolumePenalty, WorldParts};
 use ist::{InnerSphere, SolidProperties, SpherePacking};
+use rapier3d::dynamics::IntegrationParameters;
 use rapier3d::geometry::{ColliderHandle, NarrowPhase};
-use rapier3d::math::{Pose, Vector};
+use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::query::{DefaultQueryDispatcher, QueryDispatcher};
-use rapier3d::pipeline::{ActiveHooks, EventHandler, PhysicsHooks, PhysicsWorld};
-use std::collections::HashSet;
+use rapier3d::pipeline::{EventHandler, PhysicsHooks, PhysicsWorld};
+use std::sync::{Arc, LazyLock};
 use std::time::Instant;
 
 /// Makes colliders with an [`IstShape`] collide: call [`Self::step`] where you called `world.step()`.
 ///
-/// The plugin keeps nothing about bodies between steps, so bodies and colliders may be added, moved and removed
-/// at will. Results do not depend on the number of threads.
-#[derive(Clone, Debug, Default)]
+/// Between steps the plugin remembers settings, and which pairs were in contact, for its report. Motion depends on the
+/// world alone: bodies and colliders may be added, moved and removed at will, and a new plugin continues where
+/// another left off. Results do not depend on the number of threads.
+///
+/// # What Rapier's settings do
+/// - Friction, restitution, combine rules, contact skin, collision and solver groups, `ActiveCollisionTypes`, sensors,
+///   locked axes, dominance groups, gravity scale, `length_unit` and joints with and without contacts: as in Rapier.
+/// - `PhysicsHooks::filter_contact_pair` is asked as in Rapier, before the volume contact is looked for and by Rapier.
+///   A pair whose contacts `modify_solver_contacts` removes is not pushed; that hook sees Rapier's manifold of the
+///   step before, so where colliders ask for it pushing begins a step late. What else it changes in a manifold
+///   (friction, restitution, tangent velocity) has no effect on volume contacts.
+/// - Links of multibodies feel contact forces as forces during the step, as impulses do not reach them; the solve
+///   sees every link with its own mass.
+/// - `CollisionEvent`s come from Rapier, when a pair overlaps at the start of a step. Contact-force events come from the
+///   volume contacts, with one manifold and one contact for each [`crate::PatchContact`].
+///
+/// # Bad input
+/// - A body with a velocity, force or torque that is not finite does not give way in that step and passes nothing on;
+///   Rapier then disables it. So does a body whose mass is not a number that f32 can divide by.
+/// - A collider with a pose that is not finite touches nothing.
+/// - A body without mass is not moved by contacts.
+/// - Friction that is NaN or negative counts as 0, over 100 as 100; restitution counts as the nearest from 0 to 1, NaN
+///   as 0.
+/// - Stiffness over `1e8 m/(h² L²)`, with the lighter body's mass m, the time step h and the smaller body's size L,
+///   counts as that: more cannot be told from rigid. Without stiffness bodies fall through each other.
+/// - Time steps in which a body falls farther than its own size, 1 s or 1/60 s for bodies under some millimetres: all
+///   stays finite, but bodies sink in and bounce. Use [`Self::substeps`], and `length_unit` for small bodies.
+/// - Bodies in exactly the same place come apart in some direction.
+/// - A time step that is zero, negative or NaN: no contact is looked for, the report has none, and
+///   Rapier does what it does for such a step.
+/// - See [`VolumePenalty`] for its parameters.
+#[derive(Clone, Debug)]
 pub struct IstPlugin {
     /// How overlap turns into motion; may be changed between steps.
     pub model: ContactModel,
+    /// Into how many parts each step is divided, 1 by default; 0 counts as 1.
+    ///
+    /// Every substep is a whole step of `dt` over this number: queries, solve, Rapier's step with its events.
+    /// Forces of the user act in each, and position-based kinematic bodies go their way evenly. The report is
+    /// that of the last substep but for the times; `stopped` compares with the whole step before.
+    pub substeps: u32,
     report: StepReport,
     memory: Memory,
-    /// Colliders whose contact filter the plugin switched on.
-    switched_on: HashSet<ColliderHandle>,
+    stiffness: StiffnessTable,
+    touching: Touching,
+    force_events: ForceEvents,
+}
+
+impl Default for IstPlugin {
+    fn default() -> Self {
+        Self {
+            model: ContactModel::default(),
+            substeps: 1,
+            report: StepReport::default(),
+            memory: Memory::default(),
+            stiffness: StiffnessTable::default(),
+            touching: Touching::default(),
+            force_events: ForceEvents::default(),
+        }
+    }
 }
 
 impl IstPlugin {
     /// Teaches `world` about [`IstShape`] and returns the plugin that steps it.
     ///
-    /// Replaces the world's query dispatcher; with a dispatcher of your own, chain it:
-    /// `world.narrow_phase.set_query_dispatcher(IstDispatcher.chain(yours))`.
+    /// Replaces the world's query dispatcher unless it knows [`IstShape`] already; with a dispatcher of your own, chain it
+    /// first: `world.narrow_phase.set_query_dispatcher(IstDispatcher.chain(yours))`.
     pub fn install(world: &mut PhysicsWorld) -> Self {
-        let plugin = Self::default();
-        ensure_dispatcher(&mut world.narrow_phase);
-        plugin
+        Self::for_narrow_phase(&mut world.narrow_phase)
+    }
+
+    /// As [`Self::install`], for those who keep their own sets.
+    pub fn for_narrow_phase(narrow_phase: &mut NarrowPhase) -> Self {
+        ensure_dispatcher(narrow_phase);
+        Self::default()
     }
 
     /// Steps `world` by its `dt`, volume contacts included, and reports them.
@@ -54,30 +115,41 @@ impl IstPlugin {
     }
 
     /// As [`Self::step_with_events`], for those who keep their own sets.
+    ///
+    /// Where the narrow phase's query dispatcher does not know [`IstShape`], because it was replaced or the world comes
+    /// from a snapshot, bodies would fall through each other without an error. The step then installs
+    /// `IstDispatcher.chain(DefaultQueryDispatcher)`, warns through the `log` crate, and says so in
+    /// [`StepReport::dispatcher_replaced`].
     pub fn step_parts(
         &mut self,
         mut world: WorldParts<'_>,
         hooks: &dyn PhysicsHooks,
         events: &dyn EventHandler,
     ) -> &StepReport {
-        let world = &mut world;
         let start = Instant::now();
-        self.report = StepReport::default();
-        ensure_dispatcher(world.narrow_phase);
-        match self.model {
-            ContactModel::VolumePenalty(penalty) => {
-                self.switch_filters_on(world);
-                let candidates = candidates(world, hooks, &self.switched_on);
-                let forces = respond(world, candidates, &penalty, (&mut self.report, &mut self.memory));
-                let user_forces = UserForces::suspend(world, forces);
-                let hooks = PenaltyHooks { user: hooks, switched_on: &self.switched_on };
-                world.step(&hooks, events);
-                user_forces.restore(world);
+        self.report.clear();
+        self.report.dispatcher_replaced = ensure_dispatcher(world.narrow_phase);
+        if self.report.dispatcher_replaced {
+            log::warn!(
+                "the query dispatcher of this world did not know inner sphere trees, and bodies would have fallen \
+                 through each other: IstDispatcher.chain(DefaultQueryDispatcher) has been installed"
+            );
+        }
+        self.stiffness.retain_existing(world.colliders);
+        if self.substeps <= 1 {
+            self.substep(&mut world, hooks, events);
+        } else {
+            let count = self.substeps as Real;
+            let whole = *world.integration_parameters;
+            let parameters = IntegrationParameters { dt: whole.dt / count, ..whole };
+            let targets = KinematicTargets::new(world.bodies);
+            for index in 1..=self.substeps {
+                targets.aim(world.bodies, index as Real / count);
+                self.substep(&mut world.with_parameters(&parameters), hooks, events);
             }
-            ContactModel::VolumeManifold => {
-                self.switch_filters_off(world);
-                world.step(hooks, events);
-            }
+        }
+        if has_length(&world) {
+            self.touching.update(&world, &mut self.report);
         }
         self.report.step_seconds = start.elapsed().as_secs_f64();
         &self.report
@@ -89,48 +161,93 @@ impl IstPlugin {
         &self.report
     }
 
-    /// Rapier asks its hooks about a pair only where a collider wants that.
-    fn switch_filters_on(&mut self, world: &mut WorldParts<'_>) {
-        self.switched_on.retain(|handle| world.colliders.contains(*handle));
-        let missing: Vec<_> =
-            solids(world).filter(|(_, hooks)| !hooks.contains(ActiveHooks::FILTER_CONTACT_PAIRS)).collect();
-        for (handle, hooks) in missing {
-            if let Some(collider) = world.colliders.get_mut(handle) {
-                collider.set_active_hooks(hooks | ActiveHooks::FILTER_CONTACT_PAIRS);
-                self.switched_on.insert(handle);
-            }
-        }
+    /// Gives a collider a stiffness (N/m³) of its own, or takes it away with `None`.
+    ///
+    /// Two colliders with stiffnesses `a` and `b` make a pair of `a b / (a + b)`, as springs in series. A collider
+    /// without one is rigid beside one that has. Pairs of colliders without one have the stiffness of the model.
+    /// Negative values and NaN count as 0. Forgotten when the collider is removed.
+    pub fn set_collider_stiffness(&mut self, collider: ColliderHandle, stiffness: Option<Real>) {
+        self.stiffness.set_collider(collider, stiffness);
     }
 
-    fn switch_filters_off(&mut self, world: &mut WorldParts<'_>) {
-        for handle in self.switched_on.drain() {
-            if let Some(collider) = world.colliders.get_mut(handle) {
-                collider.set_active_hooks(collider.active_hooks() - ActiveHooks::FILTER_CONTACT_PAIRS);
-            }
-        }
+    /// The stiffness (N/m³) that [`Self::set_collider_stiffness`] gave to a collider.
+    #[must_use]
+    pub fn collider_stiffness(&self, collider: ColliderHandle) -> Option<Real> {
+        self.stiffness.collider(collider)
+    }
+
+    /// Asks `law` for the stiffness (N/m³) of every pair that overlaps, in every step; it has the last word.
+    ///
+    /// Negative values and NaN count as 0. Pairs are asked one after the other, in the order of their handles.
+    ///
+    /// ```
+    /// # let mut plugin = rapier_ist::IstPlugin::default();
+    /// // Soft against the ground, which has no body.
+    /// plugin.set_pair_stiffness(|pair| match pair.body_a.and(pair.body_b) {
+    ///     Some(_) => pair.stiffness,
+    ///     None => 0.1 * pair.stiffness,
+    /// });
+    /// ```
+    pub fn set_pair_stiffness(
+        &mut self,
+        law: impl Fn(&StiffnessContext<'_>) -> Real + Send + Sync + 'static,
+    ) {
+        self.stiffness.set_law(Some(Arc::new(law)));
+    }
+
+    /// Takes back [`Self::set_pair_stiffness`].
+    pub fn clear_pair_stiffness(&mut self) {
+        self.stiffness.set_law(None);
+    }
+
+    fn substep(&mut self, world: &mut WorldParts<'_>, hooks: &dyn PhysicsHooks, events: &dyn EventHandler) {
+        self.report.clear_contacts();
+        let ContactModel::VolumePenalty(penalty) = self.model else {
+            switch_filters_off(world);
+            world.step(hooks, events);
+            return;
+        };
+        switch_filters_on(world);
+        let forces =
+            if has_length(world) { self.respond(world, hooks, &penalty.in_range()) } else { Vec::new() };
+        let user_forces = UserForces::suspend(world, forces);
+        world.step(&PenaltyHooks { user: hooks }, events);
+        user_forces.restore(world);
+        self.force_events.send(world, &self.report, events);
+    }
+
+    fn respond(
+        &mut self,
+        world: &mut WorldParts<'_>,
+        hooks: &dyn PhysicsHooks,
+        penalty: &VolumePenalty,
+    ) -> Vec<BodyForce> {
+        let start = Instant::now();
+        let candidates = candidates(world, hooks);
+        self.report.query_seconds += start.elapsed().as_secs_f64();
+        let law = ContactLaw { penalty, stiffness: &self.stiffness };
+        respond(world, candidates, law, (&mut self.report, &mut self.memory))
     }
 }
 
-/// Installs the dispatcher unless the one in place knows inner sphere trees. A world that was restored from a snapshot has
-/// Rapier's default again, and its bodies would silently fall through each other.
-fn ensure_dispatcher(narrow_phase: &mut NarrowPhase) {
-    let probe = probe();
-    let known = probe.as_ref().is_none_or(|probe| {
+/// Whether time passes in the step.
+fn has_length(world: &WorldParts<'_>) -> bool {
+    world.integration_parameters.dt > 0.0
+}
+
+/// Installs the dispatcher unless the one in place knows inner sphere trees, and tells whether it did.
+fn ensure_dispatcher(narrow_phase: &mut NarrowPhase) -> bool {
+    let known = PROBE.as_ref().is_none_or(|probe| {
         narrow_phase.query_dispatcher().intersection_test(&Pose::IDENTITY, probe, probe).is_ok()
     });
     if !known {
         narrow_phase.set_query_dispatcher(IstDispatcher.chain(DefaultQueryDispatcher));
     }
-}
-
-/// Handles and hooks of the colliders with an [`IstShape`].
-fn solids<'a>(world: &'a WorldParts<'_>) -> impl Iterator<Item = (ColliderHandle, ActiveHooks)> + 'a {
-    let solid = |collider: &rapier3d::geometry::Collider| collider.shape().as_shape::<IstShape>().is_some();
-    world.colliders.iter().filter(move |(_, c)| solid(c)).map(|(handle, c)| (handle, c.active_hooks()))
+    !known
 }
 
 /// A unit ball to ask a dispatcher about.
-fn probe() -> Option<IstShape> {
+static PROBE: LazyLock<Option<IstShape>> = LazyLock::new(|| {
     let ball = InnerSphere::solid_ball(Vector::ZERO, 1.0, Vector::X);
     Some(IstShape::from_packing(&SpherePacking::new(vec![ball], SolidProperties::ball(1.0)).ok()?))
-}
+});

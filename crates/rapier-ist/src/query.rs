@@ -1,5 +1,6 @@
 //! Contact samples of all candidate pairs, in the world frame.
 
+use crate::arrival::shares;
 use crate::candidates::Candidate;
 use crate::containment::agree_on_direction;
 use crate::lookahead::Displacement;
@@ -8,9 +9,6 @@ use ist::{ContactSample, InnerSphereTree, OverlapWorkspace};
 use rapier3d::geometry::ColliderSet;
 use rapier3d::math::{Pose, Real};
 use rapier3d::parry::shape::Shape;
-
-/// Most poses along the way of a fast pair at which its overlap is measured.
-const MOST_PROBES: f64 = 16.0;
 
 /// A candidate that does overlap.
 #[derive(Clone, Debug)]
@@ -38,10 +36,7 @@ pub(crate) fn contacts(colliders: &ColliderSet, candidates: &[Candidate]) -> Vec
     }
 }
 
-/// The contact of a candidate, at the end of the step or earlier on the way, where it is found first.
-///
-/// Deep inside an overlap one can no longer tell on which side a body came in. A pair that moves farther than its
-/// solids are thick is therefore looked at along the way, in steps of that thickness.
+/// The contact of a candidate at the end of the step, or earlier on the way where that is long.
 fn contact(
     colliders: &ColliderSet,
     candidate: &Candidate,
@@ -53,25 +48,13 @@ fn contact(
     let skin = a.contact_skin() + b.contact_skin();
     let solids = shapes.map(|shape| shape.as_shape::<IstShape>()?.tree().with_skin(skin));
     let mut samples = Vec::new();
-    let probes = probes(shapes, &candidate.displacements);
-    let displacements = (1..=probes).find_map(|probe| {
-        let share = f64::from(probe) / f64::from(probes);
+    let displacements = shares(shapes, candidate, skin).find_map(|share| {
         let displacements = candidate.displacements.map(|displacement| displacement.part(share));
         let poses = [0, 1].map(|i| displacements[i].apply(&candidate.poses[i]));
         measure((&solids, shapes), &poses, workspace, &mut samples);
         (!samples.is_empty()).then_some(displacements)
     })?;
     Some(Contact { candidate: *candidate, displacements, samples })
-}
-
-/// At how many poses along its way a pair is looked at.
-fn probes(shapes: [&dyn Shape; 2], displacements: &[Displacement; 2]) -> u32 {
-    let solids = [0, 1].map(|i| shapes[i].as_shape::<IstShape>());
-    let thickness = solids.iter().flatten().map(|solid| solid.thickness()).fold(Real::INFINITY, Real::min);
-    let own = if solids[0].is_some() { 0 } else { 1 };
-    let radius = shapes[own].compute_local_bounding_sphere().radius;
-    let reach = displacements[own].reach(&displacements[1 - own], radius);
-    (reach / f64::from(thickness)).ceil().clamp(1.0, MOST_PROBES) as u32
 }
 
 /// Appends the contact samples of two shapes, of which one is an inner sphere tree, in the world frame. Of two trees

@@ -161,6 +161,16 @@ impl Cast {
     }
 }
 
+/// When two shapes whose motions take a time of 1 first touch, if they do and one of them is a tree. Where that cannot be
+/// decided, a time until which they do not.
+pub(crate) fn time_of_impact(
+    [g1, g2]: [&dyn Shape; 2],
+    motions: [RigidMotion; 2],
+    options: ImpactOptions,
+) -> Option<Real> {
+    cast_pair((g1, g2), motions, options).ok()?.map(|hit| hit.time_of_impact)
+}
+
 /// A cast between `times` of motions that turn; the time of impact counts from 0 as `times` do.
 pub(super) fn cast_nonlinear(
     (g1, g2): (&dyn Shape, &dyn Shape),

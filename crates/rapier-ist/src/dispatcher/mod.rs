@@ -7,6 +7,7 @@ mod parts;
 mod proximity;
 mod workspace;
 
+pub(crate) use cast::time_of_impact;
 use ist::ImpactOptions;
 use manifold::{MeanContact, mean_contact};
 use pair::Pair;

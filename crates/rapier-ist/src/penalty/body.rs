@@ -63,12 +63,23 @@ impl SolverBody {
         let predicted = velocity + acceleration * f64::from(dt);
         let still =
             Self { center_of_mass, velocity, predicted, root_linear, root_angular, external, ..Self::FIXED };
+        let finite = predicted.is_finite() && external.is_finite();
+        if !finite || !root_linear.is_finite() || !root_angular.is_finite() {
+            // One such body in an island would spoil the solve for all others.
+            return still.unyielding();
+        }
         Self { unchanged: still.root_transpose_times(external) * -f64::from(dt), ..still }
     }
 
     /// Whether the solve may change anything about this body.
     pub(crate) fn is_movable(&self) -> bool {
         self.root_linear != DVec3::ZERO || self.root_angular != DMat3::ZERO
+    }
+
+    /// The same body as one that it dominates sees it: it goes its way whatever touches it.
+    pub(crate) fn unyielding(&self) -> Self {
+        let Self { center_of_mass, velocity, .. } = *self;
+        Self { center_of_mass, velocity, predicted: velocity, ..Self::FIXED }
     }
 
     /// Velocity along `direction` that a unit impulse along it at the point `at` gives that point (1/kg).

@@ -4,6 +4,7 @@ use super::body::SolverBody;
 use super::impact::Impact;
 use super::material::Material;
 use super::patch::patches;
+use super::patch_sum::PatchSum;
 use super::sample::Sample;
 use super::twist::{Screw, Symmetric6};
 use crate::lookahead::Displacement;
@@ -27,6 +28,8 @@ pub(crate) struct PairContacts {
     pub(crate) depth: f64,
     material: Material,
     samples: Vec<Sample>,
+    /// In the order of the samples.
+    pub(crate) patches: Vec<PatchSum>,
     impact: Impact,
     /// Mean normal velocities before the step, and at its end without contact (m/s).
     normal_speeds: [f64; 2],
@@ -107,8 +110,9 @@ impl PairContacts {
             sample
         });
         let samples = samples.collect();
+        let patches = patches.iter().map(|patch| PatchSum::of(patch, place)).collect();
         let (offset, damping) = (Screw::ZERO, Symmetric6::ZERO);
-        Self { bodies, origin, depth, material, samples, impact, normal_speeds, offset, damping }
+        Self { bodies, origin, depth, material, samples, patches, impact, normal_speeds, offset, damping }
     }
 
     /// Linearises the wrench about the velocities of the last pass.
@@ -118,13 +122,19 @@ impl PairContacts {
     pub(crate) fn linearize(&mut self) {
         (self.offset, self.damping) = (Screw::ZERO, Symmetric6::ZERO);
         let friction = self.material.friction * self.grip();
-        for s in self.samples.iter().filter(|s| s.force > 0.0) {
-            let tangential = friction * s.force / s.slip().length().max(self.material.creep_speed);
-            let outer = DMat3::from_cols(s.normal * s.normal.x, s.normal * s.normal.y, s.normal * s.normal.z);
-            let damper = outer * (s.damping - tangential) + DMat3::from_diagonal(DVec3::splat(tangential));
-            self.damping.add_damper(damper, s.arm);
-            let force = s.normal * (s.force + s.damping * s.velocity.dot(s.normal));
-            self.offset += Screw { linear: force, angular: s.arm.cross(force) };
+        let mut samples = self.samples.iter();
+        for patch in &mut self.patches {
+            (patch.offset, patch.damping) = (Screw::ZERO, Symmetric6::ZERO);
+            for s in samples.by_ref().take(patch.count).filter(|s| s.force > 0.0) {
+                let tangential = friction * s.force / s.slip().length().max(self.material.creep_speed);
+                let (n, along) = (s.normal, s.damping - tangential);
+                let outer = DMat3::from_cols(n * (n.x * along), n * (n.y * along), n * (n.z * along));
+                patch.damping.add_damper(outer + DMat3::from_diagonal(DVec3::splat(tangential)), s.arm);
+                let force = n * (s.force + s.damping * s.velocity.dot(n));
+                patch.offset += Screw { linear: force, angular: s.arm.cross(force) };
+            }
+            self.offset += patch.offset;
+            self.damping += patch.damping;
         }
     }
 

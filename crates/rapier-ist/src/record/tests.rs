@@ -2,7 +2,7 @@
 
 use super::messages::{Contacts, Metrics};
 use super::*;
-use crate::{PairContact, StepReport};
+use crate::{ContactState, PairContact, StepReport};
 use foxglove::messages::{FrameTransforms, Log, PointCloud, SceneUpdate};
 use ist::{InnerSphere, SolidProperties, SpherePacking};
 use prost::Message;
@@ -47,6 +47,7 @@ impl Fall {
         let contact = PairContact {
             collider_a: self.colliders[0],
             collider_b: self.colliders[1],
+            state: ContactState::Started,
             volume: 0.25,
             depth: 0.5,
             centroid: Vector::Y,

@@ -1,0 +1,67 @@
+//! Where on its way a fast pair is measured.
+//!
+//! Deep inside an overlap one can no longer tell on which side a body came in, and how much the volume shrinks on the way
+//! back. A pair that moves far is therefore measured a little after it first touches.
+
+use crate::IstShape;
+use crate::candidates::Candidate;
+use crate::dispatcher::time_of_impact;
+use crate::lookahead::Displacement;
+use ist::{BallKind, ImpactOptions};
+use rapier3d::math::Real;
+use rapier3d::parry::shape::Shape;
+
+/// Pairs are looked at along their way where that is longer than this many times the solids' thickness.
+const FAR: f64 = 0.5;
+
+/// And then first where they overlap by this share of the thickness, or by the next multiples of it.
+const STRIDE: f64 = 0.25;
+
+/// Most poses along the way at which an overlap is measured.
+const MOST_PROBES: usize = 16;
+
+/// The shares of the candidate's displacements at which it should be measured, until it overlaps: 0 to 1, ascending; none
+/// where it touches nothing on its way. `skin` is the sum of the contact skins (m).
+pub(crate) fn shares(
+    shapes: [&dyn Shape; 2],
+    candidate: &Candidate,
+    skin: Real,
+) -> impl Iterator<Item = f64> + use<> {
+    let far = reach(shapes, &candidate.displacements) / thickness(shapes);
+    let (first, stride) = if far <= FAR {
+        (1.0, 1.0)
+    } else {
+        let stride = STRIDE / far;
+        let first = first_contact(shapes, candidate, skin);
+        (first.map_or(f64::INFINITY, |first| first + stride), stride.max(1.0 / MOST_PROBES as f64))
+    };
+    let last = if first.is_finite() { 1.0 } else { 0.0 };
+    let share = move |index: usize| (first + index as f64 * stride).min(last);
+    let count = ((last - first) / stride).ceil().max(0.0) as usize + usize::from(last > 0.0);
+    (0..count.min(MOST_PROBES + 1)).map(share)
+}
+
+/// Radius (m) below which the thinner solid holds half of its volume.
+fn thickness(shapes: [&dyn Shape; 2]) -> f64 {
+    let solids = shapes.into_iter().filter_map(|shape| shape.as_shape::<IstShape>());
+    solids.map(|solid| f64::from(solid.thickness())).fold(f64::INFINITY, f64::min)
+}
+
+/// Longest way (m) of a point of one shape relative to the other.
+fn reach(shapes: [&dyn Shape; 2], displacements: &[Displacement; 2]) -> f64 {
+    let own = usize::from(shapes[0].as_shape::<IstShape>().is_none());
+    let radius = shapes[own].compute_local_bounding_sphere().radius;
+    displacements[own].reach(&displacements[1 - own], radius)
+}
+
+/// Share of the displacements after which the pair first touches.
+fn first_contact(shapes: [&dyn Shape; 2], candidate: &Candidate, skin: Real) -> Option<f64> {
+    let motions = [0, 1].map(|i| candidate.displacements[i].motion(&candidate.poses[i]));
+    let options = ImpactOptions {
+        balls: BallKind::Volume,
+        max_time: 1.0,
+        target_distance: skin,
+        ..ImpactOptions::default()
+    };
+    time_of_impact(shapes, motions, options).map(f64::from)
+}

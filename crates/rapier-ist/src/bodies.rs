@@ -1,0 +1,64 @@
+//! The bodies of a step, as the solve sees them.
+
+use crate::WorldParts;
+use crate::candidates::Candidate;
+use crate::penalty::SolverBody;
+use rapier3d::dynamics::{RigidBody, RigidBodyHandle};
+use rapier3d::geometry::Collider;
+use std::cmp::Ordering;
+
+/// The bodies that take part, each once, in the order of their handles. Index 0 is the world itself.
+pub(crate) struct Bodies {
+    pub(crate) handles: Vec<Option<RigidBodyHandle>>,
+    /// First those of `handles`, then all of them once more as what a dominated body sees: they move and do not give
+    /// way.
+    pub(crate) states: Vec<SolverBody>,
+    pub(crate) is_link: Vec<bool>,
+}
+
+impl Bodies {
+    pub(crate) fn new(world: &WorldParts<'_>, candidates: &[Candidate]) -> Self {
+        let colliders = candidates.iter().flat_map(|candidate| candidate.colliders);
+        let mut handles: Vec<_> = colliders.filter_map(|c| world.colliders.get(c)?.parent()).collect();
+        handles.sort_unstable_by_key(|handle| handle.into_raw_parts());
+        handles.dedup();
+        let state = |handle: &RigidBodyHandle| {
+            let body = &world.bodies[*handle];
+            let movable = body.is_dynamic() && !body.is_sleeping() && body.is_enabled();
+            SolverBody::new(body, movable, world.gravity, world.integration_parameters.dt)
+        };
+        let mut states: Vec<_> =
+            std::iter::once(SolverBody::FIXED).chain(handles.iter().map(state)).collect();
+        states.extend_from_within(..);
+        states[handles.len() + 1..].iter_mut().for_each(|state| *state = state.unyielding());
+        let handles: Vec<_> = std::iter::once(None).chain(handles.into_iter().map(Some)).collect();
+        let is_link = |handle: &Option<RigidBodyHandle>| {
+            handle.is_some_and(|handle| world.multibody_joints.rigid_body_link(handle).is_some())
+        };
+        Self { is_link: handles.iter().map(is_link).collect(), handles, states }
+    }
+
+    pub(crate) fn pair(&self, world: &WorldParts<'_>, candidate: &Candidate) -> [usize; 2] {
+        let parents =
+            candidate.colliders.map(|collider| world.colliders.get(collider).and_then(Collider::parent));
+        let [a, b] = parents.map(|parent| {
+            let key = parent.map(RigidBodyHandle::into_raw_parts);
+            self.handles.binary_search_by_key(&key, |h| h.map(RigidBodyHandle::into_raw_parts)).unwrap_or(0)
+        });
+        // As in Rapier: what is not dynamic dominates everything that is.
+        let dominance = |parent: Option<RigidBodyHandle>| {
+            let body = parent.and_then(|parent| world.bodies.get(parent));
+            body.map_or(i16::MAX, RigidBody::effective_dominance_group)
+        };
+        match dominance(parents[0]).cmp(&dominance(parents[1])) {
+            Ordering::Greater => [a + self.handles.len(), b],
+            Ordering::Less => [a, b + self.handles.len()],
+            Ordering::Equal => [a, b],
+        }
+    }
+
+    /// The body that really moves where a pair sees `body`: a dominated body sees the other one unyielding.
+    pub(crate) fn real(&self, body: usize) -> usize {
+        body % self.handles.len()
+    }
+}

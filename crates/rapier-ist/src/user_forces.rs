@@ -1,0 +1,62 @@
+//! Contact forces on bodies during Rapier's step.
+
+use crate::WorldParts;
+use crate::penalty::Screw;
+use rapier3d::dynamics::{RigidBody, RigidBodyHandle};
+use rapier3d::math::Vector;
+
+/// What the contacts do to one body in a step, about its centre of mass.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BodyForce {
+    pub(crate) handle: RigidBodyHandle,
+    /// Mean contact force (N) and torque (N·m).
+    pub(crate) contact: Screw,
+    /// Gravity and the user's own force and torque.
+    pub(crate) external: Screw,
+    /// Whether the body is a link of a multibody.
+    pub(crate) is_link: bool,
+}
+
+/// The user's own forces and torques on the bodies that contacts act on.
+pub(crate) struct UserForces(Vec<(RigidBodyHandle, Vector, Vector)>);
+
+impl UserForces {
+    /// Gives every body its final velocity now and holds it against gravity and the user's forces during the step.
+    ///
+    /// The solve is for a body that moves at its final velocity through the whole step. Rapier moves bodies in
+    /// substeps and adds external forces bit by bit, so an impulse alone would lift a resting body before gravity
+    /// brings it down again, and a force alone would let an arriving body move on through the contact.
+    pub(crate) fn suspend(world: &mut WorldParts<'_>, forces: Vec<BodyForce>) -> Self {
+        let dt = world.integration_parameters.dt;
+        let mut before = Vec::with_capacity(forces.len());
+        for BodyForce { handle, contact, external, is_link } in forces {
+            let Some(body) = world.bodies.get_mut(handle) else { continue };
+            before.push((handle, body.user_force(), body.user_torque()));
+            if is_link {
+                // Rapier computes the velocities of links from their joints: impulses on links are lost, forces are not.
+                body.add_force(contact.linear.as_vec3(), false);
+                body.add_torque(contact.angular.as_vec3(), false);
+                continue;
+            }
+            let impulse = (contact + external) * f64::from(dt);
+            body.apply_impulse(impulse.linear.as_vec3(), false);
+            body.apply_torque_impulse(impulse.angular.as_vec3(), false);
+            body.add_force(-external.linear.as_vec3(), false);
+            body.add_torque(-external.angular.as_vec3(), false);
+        }
+        Self(before)
+    }
+
+    /// Gives the user's forces back, bit for bit.
+    pub(crate) fn restore(self, world: &mut WorldParts<'_>) {
+        for (handle, force, torque) in self.0 {
+            // What Rapier took out of the simulation in this step has lost its forces by that.
+            let enabled = |body: &&mut RigidBody| body.is_enabled();
+            let Some(body) = world.bodies.get_mut(handle).filter(enabled) else { continue };
+            body.reset_forces(false);
+            body.reset_torques(false);
+            body.add_force(force, false);
+            body.add_torque(torque, false);
+        }
+    }
+}

@@ -1,0 +1,231 @@
+//! Input that no simulation should get: nothing panics, what is finite stays finite.
+
+use super::*;
+
+/// A ball that rests on the ground and one that comes down on it.
+fn stack() -> (PhysicsWorld, IstPlugin, [RigidBodyHandle; 2]) {
+    let (mut world, plugin) = grounded();
+    let bodies = [RADIUS, 3.5 * RADIUS].map(|y| world.insert(dynamic(Vector::Y * y), ball_collider()).0);
+    (world, plugin, bodies)
+}
+
+#[test]
+fn any_stiffness() {
+    for stiffness in [0.0, 1e-3, 1e12, 1e30, f32::NAN, -1.0, f32::INFINITY] {
+        let (mut world, mut plugin, bodies) = stack();
+        plugin.model = uniform(stiffness);
+        for _ in 0..120 {
+            plugin.step(&mut world);
+            assert_finite(&world, stiffness);
+        }
+        let lower = height(&world, bodies[0]);
+        if stiffness >= 1e12 {
+            assert!(lower > 0.09 && lower < 0.11, "{stiffness}: {lower}");
+        } else {
+            assert!(lower < 0.0, "{stiffness} holds nothing up: {lower}");
+        }
+    }
+}
+
+#[test]
+fn any_parameter_of_the_penalty() {
+    for bad in [0.0, -1.0, f32::NAN, f32::INFINITY, f32::MIN_POSITIVE] {
+        for parameter in 0..3 {
+            let (mut world, mut plugin, bodies) = stack();
+            let mut penalty = VolumePenalty::default();
+            match parameter {
+                0 => penalty.dissipation = bad,
+                1 => penalty.recovery_speed = bad,
+                _ => penalty.creep_speed = bad,
+            }
+            plugin.model = ContactModel::VolumePenalty(penalty);
+            for _ in 0..120 {
+                plugin.step(&mut world);
+                assert_finite(&world, (bad, parameter));
+            }
+            let lower = height(&world, bodies[0]);
+            assert!(lower > 0.08 && lower < 0.11, "{bad} as parameter {parameter}: {lower}");
+        }
+    }
+}
+
+#[test]
+fn any_time_step() {
+    for dt in [0.0, -1.0, f32::NAN, 1e-6, 1.0] {
+        let (mut world, mut plugin, bodies) = stack();
+        let before = bodies.map(|body| bits(&world, body));
+        world.integration_parameters.dt = dt;
+        for _ in 0..20 {
+            let report = plugin.step(&mut world);
+            let passes = dt > 0.0;
+            assert!(passes || (report.contacts.is_empty() && report.stopped.is_empty()), "{dt}");
+            if !dt.is_nan() {
+                assert_finite(&world, dt);
+            }
+        }
+        if dt == 0.0 {
+            assert_eq!(before, bodies.map(|body| bits(&world, body)));
+        }
+        if dt == 1.0 {
+            // It falls 9.81 m in a step before anything can stop it, and comes back.
+            assert!(height(&world, bodies[0]).abs() < 10.0, "{}", height(&world, bodies[0]));
+        }
+    }
+}
+
+#[test]
+fn any_mass() {
+    for mass in [0.0, 1e-30, 1e-38, 1e30, 3e38, f32::INFINITY, f32::NAN] {
+        let (mut world, mut plugin) = grounded();
+        let odd = ball().into_collider().mass(mass);
+        let odd = world.insert(dynamic(Vector::Y * RADIUS), odd).0;
+        let other = world.insert(dynamic(Vector::Y * 0.32), ball_collider()).0;
+        for _ in 0..120 {
+            plugin.step(&mut world);
+            assert_finite(&world, mass);
+        }
+        let (odd, other) = (height(&world, odd), height(&world, other));
+        assert!(other.abs() < 10.0, "{mass}: {odd} {other}");
+    }
+}
+
+#[test]
+fn without_gravity_and_with_more_than_enough() {
+    for gravity in [0.0, 1e-20, 1e6, 1e20, f32::NAN, f32::INFINITY] {
+        let (mut world, mut plugin, _) = stack();
+        world.gravity = Vector::Y * -gravity;
+        for _ in 0..60 {
+            plugin.step(&mut world);
+            assert_finite(&world, gravity);
+        }
+    }
+}
+
+#[test]
+fn what_is_not_finite_stays_with_its_body() {
+    let spoil: [fn(&mut RigidBody); 8] = [
+        |body| body.set_linvel(Vector::NAN, true),
+        |body| body.set_angvel(Vector::NAN, true),
+        |body| body.set_linvel(Vector::X * f32::INFINITY, true),
+        |body| body.add_force(Vector::NAN, true),
+        |body| body.add_torque(Vector::NAN, true),
+        |body| body.add_force(Vector::Y * f32::NEG_INFINITY, true),
+        |body| body.set_translation(Vector::NAN, true),
+        |body| body.set_gravity_scale(f32::NAN, true),
+    ];
+    for (index, spoil) in spoil.into_iter().enumerate() {
+        let (mut world, mut plugin, [lower, upper]) = stack();
+        let aside = world.insert(dynamic(Vector::new(0.15, RADIUS, 0.0)), ball_collider()).0;
+        run(&mut plugin, &mut world, 30);
+        spoil(&mut world.bodies[lower]);
+        for _ in 0..30 {
+            plugin.step(&mut world);
+            assert_finite(&world, index);
+        }
+        assert!(!world.bodies[lower].is_enabled(), "{index}: Rapier takes it out");
+        assert!(world.bodies[lower].user_force() == Vector::ZERO, "{index}: and its forces");
+        for body in [upper, aside] {
+            let body = &world.bodies[body];
+            assert!(
+                body.is_enabled() && body.translation().length() < 2.0,
+                "{index}: {}",
+                body.translation()
+            );
+        }
+    }
+}
+
+#[test]
+fn any_friction_and_restitution() {
+    for value in [f32::NAN, -1.0, f32::INFINITY, 1e30] {
+        let (mut world, mut plugin) = grounded();
+        let collider = ball_collider().friction(value).restitution(value);
+        let body = world.insert(dynamic(Vector::Y * 0.3).linvel(Vector::X), collider).0;
+        for _ in 0..120 {
+            plugin.step(&mut world);
+            assert_finite(&world, value);
+        }
+        assert!(height(&world, body) > 0.05 && height(&world, body) < 0.5, "{value}");
+    }
+}
+
+#[test]
+fn two_bodies_in_the_same_place() {
+    let (mut world, mut plugin) = weightless();
+    let bodies = [0, 1].map(|_| world.insert(dynamic(Vector::ONE), ball_collider()).0);
+    for _ in 0..120 {
+        plugin.step(&mut world);
+        assert_finite(&world, "same place");
+    }
+    let [a, b] = bodies.map(|body| world.bodies[body].translation());
+    assert!((a + b).abs_diff_eq(Vector::ONE * 2.0, 1e-4), "momentum is kept: {a} {b}");
+    assert!((a - b).length() < 3.0, "they are not thrown apart: {a} {b}");
+}
+
+#[test]
+fn ten_thousand_to_one_both_ways_up() {
+    for [below, above] in [[1e4, 1.0], [1.0, 1e4]] {
+        let (mut world, mut plugin) = grounded();
+        let axes = LockedAxes::TRANSLATION_LOCKED_X | LockedAxes::TRANSLATION_LOCKED_Z;
+        let mut insert = |y: f32, density: f32| {
+            let body = dynamic(Vector::Y * y).locked_axes(axes | LockedAxes::ROTATION_LOCKED);
+            world.insert(body, ball().into_collider().density(density)).0
+        };
+        let (lower, upper) = (insert(0.1, below), insert(0.3, above));
+        for _ in 0..300 {
+            plugin.step(&mut world);
+            assert_finite(&world, (below, above));
+        }
+        let (lower, upper) = (height(&world, lower), height(&world, upper));
+        assert!(lower > 0.0 && upper > lower && upper < 0.35, "{below} below {above}: {lower} {upper}");
+    }
+}
+
+#[test]
+fn bodies_of_any_size() {
+    for size in [1e-5, 1e-4, 1e3, 1e4] {
+        let (mut world, mut plugin) = grounded();
+        world.integration_parameters.length_unit = size;
+        world.gravity *= size;
+        let shape = ball_of(size);
+        let body = dynamic(Vector::Y * (1.5 * size)).can_sleep(false);
+        let body = world.insert(body, shape.into_collider().density(DENSITY)).0;
+        for _ in 0..240 {
+            plugin.step(&mut world);
+            assert_finite(&world, size);
+        }
+        let y = height(&world, body) / size;
+        assert!(y > 0.9 && y < 1.01, "a body of {size} m rests at {y} radii");
+    }
+}
+
+#[test]
+fn small_and_large_bodies_under_gravity() {
+    for size in [5e-4, 1e3] {
+        let (mut world, mut plugin) = grounded();
+        if size < 1.0 {
+            // A body of this size falls 3 mm in a sixtieth of a second.
+            world.integration_parameters.length_unit = size;
+            plugin.substeps = 16;
+        }
+        let body = dynamic(Vector::Y * (1.1 * size)).can_sleep(false);
+        let body = world.insert(body, ball_of(size).into_collider().density(DENSITY)).0;
+        for _ in 0..600 {
+            plugin.step(&mut world);
+            assert_finite(&world, size);
+        }
+        let y = height(&world, body) / size;
+        assert!(y > 0.9 && y < 1.05, "a body of {size} m rests at {y} radii");
+    }
+}
+
+#[test]
+fn bodies_much_smaller_than_their_fall_in_a_step_stay_finite() {
+    let (mut world, mut plugin) = grounded();
+    let body = world.insert(dynamic(Vector::Y * 1.1e-3), ball_of(1e-3).into_collider().density(DENSITY)).0;
+    for _ in 0..600 {
+        plugin.step(&mut world);
+        assert_finite(&world, "1 mm");
+    }
+    assert!(height(&world, body).abs() < 0.2, "{}", height(&world, body));
+}
