@@ -1,17 +1,42 @@
 //! What the plugin remembers of a pair from step to step.
 
-use crate::penalty::Impact;
+use crate::penalty::{Impact, Screw};
 use rapier3d::geometry::ColliderHandle;
 use std::collections::HashMap;
 
 /// What was found out about a touching pair.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct PairMemory {
     /// Sum of the normal forces as last solved (N): where the next solve begins.
     pub(crate) force: f64,
+    /// How the contact began, before the step.
     pub(crate) impact: Impact,
+    /// The impulse that has stopped the bodies since, this step's included as last solved.
+    pub(crate) impulse: Screw,
+    /// The impulse of the rebound that was found in this step.
+    pub(crate) rebound: Option<Screw>,
     /// Mean normal velocity as last solved (m/s).
     pub(crate) end: f64,
+}
+
+impl Default for PairMemory {
+    /// Of a pair that did not touch.
+    fn default() -> Self {
+        Self {
+            force: 0.0,
+            impact: Impact::default(),
+            impulse: Screw::ZERO,
+            rebound: None,
+            end: f64::NEG_INFINITY,
+        }
+    }
+}
+
+impl PairMemory {
+    /// What is known of the pair at the beginning of the next step.
+    pub(crate) fn next(self) -> Self {
+        Self { impulse: self.impact.impulse, rebound: None, end: f64::NEG_INFINITY, ..self }
+    }
 }
 
 /// All pairs that touch, by their handles.

@@ -31,7 +31,7 @@ pub(crate) fn respond(
     let mut start: Vec<Screw> = bodies.states.iter().map(|state| state.unchanged).collect();
     // How contacts began is known from the steps before, the forces from the last solve.
     let before = std::mem::take(memory);
-    *memory = before.clone();
+    *memory = before.iter().map(|(pair, known)| (*pair, known.next())).collect();
     let mut round = 1;
     let solution = loop {
         let touching: Vec<&Contact> = found.iter().flatten().collect();

@@ -2,16 +2,43 @@
 //!
 //! A stiff contact stops the bodies within a step, at the place where they touch; they rebound in the next one, from there.
 //! A rebound at once would begin up to a step's way above the surface, and end higher than it should.
+//!
+//! The impulse of the rebound is the restitution times the one that stopped the bodies (Poisson's hypothesis, W. J. Stronge,
+//! *Impact Mechanics*, 2000, section 3.1), which makes no energy where a contact has many places and directions.
 
 use super::material::Material;
+use super::twist::Screw;
+
+/// Share of the step's acceleration that a rebound starts with.
+///
+/// It moves through the step at its final velocity, and after it in Rapier's substeps. A ball with e = 0.5 dropped from 0.3 m
+/// rises 5 % too high with 0.5 and 8 % too low with 1; from 1 m on either is within 4 %.
+const ACCELERATION: f64 = 0.7;
+
+/// A rebound to the speed that the impact asks for may have this many times the impulse of Poisson's hypothesis.
+const MOST_REBOUND: f64 = 1.3;
 
 /// How a contact began.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Impact {
     /// Speed of approach (m/s); zero for bodies that began to overlap slowly.
     pub(crate) speed: f64,
+    /// Normal impulse on the second body since then (N·s, N·m·s about the contact's origin).
+    pub(crate) impulse: Screw,
     /// Whether the rebound of a stiff contact was given.
     pub(crate) rebounded: bool,
+    /// Steps since the fastest approach.
+    pub(crate) steps: u32,
+}
+
+/// A contact in a step, as far as rebounds are concerned.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ImpactStep {
+    /// Mean normal velocity before the step, and at its end without contact (m/s).
+    pub(crate) before: f64,
+    pub(crate) free: f64,
+    /// Mean normal velocity at the end as last solved (m/s), negative infinity where it is not known.
+    pub(crate) end: f64,
 }
 
 impl Impact {
@@ -19,32 +46,53 @@ impl Impact {
     pub(crate) fn approached(self, approach: f64, least: f64) -> Self {
         if approach <= least {
             self
-        } else if self.rebounded {
-            Self { speed: approach, rebounded: false }
+        } else if self.rebounded || approach > self.speed {
+            Self { speed: approach, impulse: Screw::ZERO, rebounded: false, steps: 0 }
         } else {
-            Self { speed: self.speed.max(approach), ..self }
+            self
         }
     }
 
-    /// Least normal velocity at the end of a step of a contact that rebounds now, if it does.
+    /// The impulse of a rebound in this step, if the contact has one. `impulse` is what stopped the bodies including this
+    /// step, as last solved, and `compliance` (1/kg) the velocity that a unit impulse along it gives.
     ///
-    /// `normal_speeds` are the mean normal velocities before the step and at its end without contact, `end` the one at its
-    /// end as last solved: bodies that were stopped in the step before, or early in this one, rebound. A body that moves
-    /// through the step at its final velocity gains half a step's acceleration too much, which is taken off.
-    pub(crate) fn rebound(&self, material: &Material, [before, free]: [f64; 2], end: f64) -> Option<f64> {
-        let stopped = before > -0.5 * self.speed || end > -0.25 * self.speed;
-        let speed = material.restitution * self.speed + 0.5 * (free - before);
-        (self.speed > 0.0 && !self.rebounded && stopped && speed > 0.0).then_some(speed)
+    /// Bodies that were stopped in the steps before rebound, and those that are stopped early in this one.
+    pub(crate) fn rebound(
+        &self,
+        material: &Material,
+        step: &ImpactStep,
+        (impulse, compliance): (Screw, f64),
+    ) -> Option<Screw> {
+        let was_stopped = step.before > -0.1 * self.speed;
+        let is_stopped = step.end > -0.25 * self.speed;
+        if material.restitution <= 0.0 || self.speed <= 0.0 || self.rebounded || !(was_stopped || is_stopped)
+        {
+            return None;
+        }
+        // Where the bodies stop in this step the rebound also takes the place of what stops them.
+        let stops = if was_stopped { Screw::ZERO } else { impulse - self.impulse };
+        let most = material.restitution * impulse.linear.length() + stops.linear.length();
+        // The impulse also carries weight, and may end while the bodies still come closer: the speed is known better.
+        let speed = material.restitution * self.speed + ACCELERATION * (step.free - step.before) - step.free;
+        let rebound = (speed / compliance).clamp(0.0, MOST_REBOUND * most);
+        let rebound = impulse * (rebound / impulse.linear.length());
+        rebound.is_finite().then_some(rebound)
     }
 
-    /// The same contact after a step that ends with the mean normal velocity `end`; `rebounds` where that was the rebound.
-    pub(crate) fn after(self, [before, free]: [f64; 2], end: f64, rebounds: bool) -> Self {
+    /// The same contact after a step in which its normal forces had the impulse `impulse`; `rebounds` where that was the
+    /// rebound.
+    pub(crate) fn after(self, step: &ImpactStep, impulse: Screw, rebounds: bool) -> Self {
         if self.speed <= 0.0 {
             return self;
         }
         // Stopped on the way, bodies touch after the share of the step that end/before says, and until then get faster.
-        let arrives = -before >= self.speed && free < before;
-        let share = if arrives { (end / before).clamp(0.0, 1.0) } else { 0.0 };
-        Self { speed: self.speed + share * (before - free).max(0.0), rebounded: self.rebounded || rebounds }
+        let arrives = -step.before >= self.speed && step.free < step.before;
+        let share = if arrives { (step.end / step.before).clamp(0.0, 1.0) } else { 0.0 };
+        Self {
+            speed: self.speed + share * (step.before - step.free).max(0.0),
+            impulse: self.impulse + impulse,
+            rebounded: self.rebounded || rebounds,
+            steps: self.steps.saturating_add(1),
+        }
     }
 }

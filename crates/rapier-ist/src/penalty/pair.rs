@@ -1,7 +1,7 @@
 //! The contact of one pair of bodies inside the penalty solve.
 
 use super::body::SolverBody;
-use super::impact::Impact;
+use super::impact::{Impact, ImpactStep};
 use super::material::Material;
 use super::patch::patches;
 use super::patch_sum::PatchSum;
@@ -31,8 +31,10 @@ pub(crate) struct PairContacts {
     /// In the order of the samples.
     pub(crate) patches: Vec<PatchSum>,
     impact: Impact,
-    /// Mean normal velocities before the step, and at its end without contact (m/s).
-    normal_speeds: [f64; 2],
+    step: ImpactStep,
+    /// Impulse of the rebound on b about [`Self::origin`], in this step.
+    rebound: Option<Screw>,
+    dt: f64,
     /// Wrench on b at zero relative velocity.
     offset: Screw,
     /// What a relative twist takes away from it.
@@ -67,9 +69,8 @@ impl PairContacts {
             };
             contact.samples.iter().map(part).sum::<f64>() / volume.max(f64::MIN_POSITIVE)
         };
-        let normal_speeds = [mean(before), mean(free)];
-        let impact = memory.impact.approached(-normal_speeds[0], material.rebound_speed);
-        let rebound = impact.rebound(&material, normal_speeds, memory.end);
+        let step = ImpactStep { before: mean(before), free: mean(free), end: memory.end };
+        let impact = memory.impact.approached(-step.before, material.rebound_speed);
         let samples = patches.iter().flat_map(|patch| {
             let push: f64 =
                 patch.samples.iter().map(|s| f64::from(s.volume)).sum::<f64>() * material.stiffness;
@@ -95,7 +96,6 @@ impl PairContacts {
                 rate,
                 moved,
                 dissipation: (dissipation - lead).max(-0.5 / moved.abs().max(f64::MIN_POSITIVE)),
-                rebound: rebound.filter(|_| stiff).unwrap_or(f64::NEG_INFINITY),
                 stiff,
                 velocity,
                 force: 0.0,
@@ -109,10 +109,17 @@ impl PairContacts {
             sample.linearize_at(velocity + normal * (guess + inward));
             sample
         });
-        let samples = samples.collect();
+        let samples: Vec<Sample> = samples.collect();
+        let stopping = memory.impulse;
+        let direction = stopping.linear.normalize_or_zero();
+        let compliance: f64 = states.iter().map(|state| state.compliance(origin, direction)).sum();
+        let rebound = memory.rebound.or_else(|| {
+            let rebound = impact.rebound(&material, &step, (stopping, compliance));
+            rebound.filter(|_| samples.iter().any(|s| s.stiff))
+        });
         let patches = patches.iter().map(|patch| PatchSum::of(patch, place)).collect();
         let (offset, damping) = (Screw::ZERO, Symmetric6::ZERO);
-        Self { bodies, origin, depth, material, samples, patches, impact, normal_speeds, offset, damping }
+        Self { bodies, origin, depth, material, samples, patches, impact, step, rebound, dt, offset, damping }
     }
 
     /// Linearises the wrench about the velocities of the last pass.
@@ -136,6 +143,13 @@ impl PairContacts {
             self.offset += patch.offset;
             self.damping += patch.damping;
         }
+        if let Some(impulse) = self.rebound {
+            let wrench = impulse * (1.0 / self.dt);
+            self.offset += wrench;
+            // Patches share it so that their wrenches add up to the pair's.
+            let share = 1.0 / self.patches.len() as f64;
+            self.patches.iter_mut().for_each(|patch| patch.offset += wrench * share);
+        }
     }
 
     /// Takes over the relative twist of a solve for the next linearisation. Returns how far the forces of the law are
@@ -145,7 +159,7 @@ impl PairContacts {
         for s in &mut self.samples {
             let (solved, law) = s.update(twist.twist_at(s.arm).linear);
             change += (solved - law).abs();
-            total += solved.max(law);
+            total += solved.abs().max(law);
         }
         if total > 0.0 { change / total } else { 0.0 }
     }
@@ -166,21 +180,33 @@ impl PairContacts {
 
     /// What to remember of the pair after a step at the relative twist `twist`.
     pub(crate) fn memory(&self, twist: Screw) -> PairMemory {
-        let (mut force, mut power) = (0.0, 0.0);
+        let (mut force, mut power, mut wrench) = (0.0, 0.0, Screw::ZERO);
         for s in &self.samples {
             force += s.force;
             power += s.force * twist.twist_at(s.arm).linear.dot(s.normal);
+            let push = s.normal * s.force;
+            wrench += Screw { linear: push, angular: s.arm.cross(push) };
         }
-        let end = if force > 0.0 { power / force } else { 0.0 };
-        let rebounds = self.samples.iter().any(|s| s.rebound > f64::NEG_INFINITY);
-        PairMemory { force, end, impact: self.impact.after(self.normal_speeds, end, rebounds) }
+        let end = if force > 0.0 { power / force } else { self.step.end.max(0.0) };
+        let impulse = wrench * self.dt;
+        let step = ImpactStep { end, ..self.step };
+        let after = self.impact.after(&step, impulse, self.rebound.is_some());
+        PairMemory {
+            force,
+            end,
+            impulse: self.impact.impulse + impulse,
+            rebound: self.rebound,
+            impact: after,
+        }
     }
 
     /// Whether the pair has come to a stop in the step so early that it should rebound in the same step.
     pub(crate) fn should_rebound(&self, twist: Screw) -> bool {
-        let PairMemory { end, impact, .. } = self.memory(twist);
-        let rebound = self.impact.rebound(&self.material, self.normal_speeds, end);
-        !impact.rebounded && rebound.is_some() && self.samples.iter().any(|s| s.force > 0.0 && s.stiff)
+        let PairMemory { end, impulse, .. } = self.memory(twist);
+        let step = ImpactStep { end, ..self.step };
+        self.rebound.is_none()
+            && self.impact.rebound(&self.material, &step, (impulse, 1.0)).is_some()
+            && self.samples.iter().any(|s| s.force > 0.0 && s.stiff)
     }
 
     /// How far from the poses at which it was measured the contact is after a step at the relative twist `twist`, in units of

@@ -21,8 +21,6 @@ pub(crate) struct Sample {
     pub(crate) moved: f64,
     /// δ (s/m).
     pub(crate) dissipation: f64,
-    /// Normal velocity up to which a contact that rebounds is pushed (m/s); negative infinity for others.
-    pub(crate) rebound: f64,
     /// Whether the contact can stop the bodies within a step.
     pub(crate) stiff: bool,
     /// Velocity relative to the first body at which the force was last linearised (m/s).
@@ -40,7 +38,7 @@ impl Sample {
     }
 
     /// Linearises the force anew after a solve that gave `velocity`. Returns the normal force that the last
-    /// linearisation gives there, and that of the law.
+    /// linearisation gives there, which may pull, and that of the law.
     ///
     /// Where it still pushes, the next tangent is taken where the law gives the solved force, and not at the solved
     /// velocity: loads are often known better than velocities, and Newton's method on x² halves x at each pass from far
@@ -48,10 +46,10 @@ impl Sample {
     pub(crate) fn update(&mut self, velocity: DVec3) -> (f64, f64) {
         let u = velocity.dot(self.normal);
         let before = self.velocity.dot(self.normal);
-        let solved = if self.force > 0.0 { (self.force + self.damping * (before - u)).max(0.0) } else { 0.0 };
+        let solved = if self.force > 0.0 { self.force + self.damping * (before - u) } else { 0.0 };
         let (law, _) = self.law(u);
         let y = 1.0 - self.dissipation * u;
-        if solved > 0.0 && y > 0.0 && u > self.rebound {
+        if solved > 0.0 && y > 0.0 {
             let at = self.velocity_at(solved / (self.push * y));
             self.linearize_at(velocity + self.normal * (at - u));
         } else {
@@ -75,14 +73,11 @@ impl Sample {
     fn law(&self, u: f64) -> (f64, f64) {
         let x = 1.0 + 0.5 * self.rate * (self.moved - u);
         let y = 1.0 - self.dissipation * u;
-        let overlap = if x <= 0.0 || y <= 0.0 {
+        if x <= 0.0 || y <= 0.0 {
             (0.0, 0.0)
         } else {
             (self.push * x * x * y, self.push * x * (self.rate * y + self.dissipation * x))
-        };
-        let damping = self.push * self.rate;
-        let rebound = damping * (self.rebound - u);
-        if rebound > overlap.0 { (rebound, damping) } else { overlap }
+        }
     }
 
     /// The normal velocity at which the overlap pushes with `share` of its force at the predicted poses, dissipation aside.
