@@ -61,12 +61,16 @@ fn collide(shape: &IstShape, restitution: f32, seed: u16) -> Errors {
     // Momenta may be small by chance: they are measured against what the bodies carry.
     let carried: f64 = world.bodies.iter().map(|(_, b)| f64::from(b.mass() * b.linvel().length())).sum();
     let mut errors = Errors::default();
-    let mut touched = false;
+    let (mut touched, mut last, mut drift) = (false, spin, DVec3::ZERO);
     for _ in 0..90 {
-        touched |= !plugin.step(&mut world).contacts.is_empty();
+        let touches = !plugin.step(&mut world).contacts.is_empty();
+        touched |= touches;
         let now = totals(&world);
+        // In free flight Rapier alone lets it drift by up to 1.3e-5 in this time.
+        drift += if touches { now.1 - last } else { DVec3::ZERO };
+        last = now.1;
         errors.momentum = errors.momentum.max((now.0 - momentum).length() / carried);
-        errors.spin = errors.spin.max((now.1 - spin).length() / (0.4 * carried));
+        errors.spin = errors.spin.max(drift.length() / (0.4 * carried));
         // A rebound follows a step after the bodies have stopped: it may rise, up to where it started.
         let most = if restitution > 0.0 { start } else { energy };
         errors.energy = errors.energy.max((now.2 - most) / start);

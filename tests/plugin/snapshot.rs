@@ -33,7 +33,8 @@ fn a_restored_world_moves_on_bit_for_bit() {
         let saved = snapshot::save(&mut world, bytes);
         let mut restored: PhysicsWorld = ciborium::from_reader(saved.as_slice()).unwrap();
         snapshot::restore(&mut restored.colliders, |_, collider| (collider.user_data > 0).then(ball));
-        let mut second = IstPlugin::install(&mut restored);
+        let mut second = plugin.clone();
+        IstPlugin::install(&mut restored);
         for step in 0..120 {
             plugin.step(&mut world);
             assert!(!second.step(&mut restored).dispatcher_replaced);

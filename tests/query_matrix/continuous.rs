@@ -59,7 +59,6 @@ fn a_fast_body_goes_through_no_thin_plate() {
 /// Rapier stops the body in front of the plate and leaves its velocity to the contact; the penalty looks ahead in steps that
 /// are longer than the plate is thick, finds none, and the next steps take the body through.
 #[test]
-#[ignore = "the penalty's look-ahead has to begin at the time of impact"]
 fn a_fast_body_goes_through_no_thin_plate_under_the_penalty() {
     stops(ContactModel::default());
 }

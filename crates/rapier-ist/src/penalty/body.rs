@@ -82,10 +82,9 @@ impl SolverBody {
         Self { center_of_mass, velocity, predicted: velocity, ..Self::FIXED }
     }
 
-    /// Velocity along `direction` that a unit impulse along it at the point `at` gives that point (1/kg).
-    pub(crate) fn compliance(&self, at: DVec3, direction: DVec3) -> f64 {
-        let wrench = Screw { linear: direction, angular: (at - self.center_of_mass).cross(direction) };
-        let half = self.root_transpose_times(wrench);
+    /// `wᵀ M⁻¹ w` of a wrench `w` about `at`: the velocity along it that an impulse like it gives.
+    pub(crate) fn compliance(&self, at: DVec3, wrench: Screw) -> f64 {
+        let half = self.root_transpose_times(wrench.wrench_from(at - self.center_of_mass));
         half.dot(half)
     }
 

@@ -15,9 +15,6 @@ use super::twist::Screw;
 /// rises 5 % too high with 0.5 and 8 % too low with 1; from 1 m on either is within 4 %.
 const ACCELERATION: f64 = 0.7;
 
-/// A rebound to the speed that the impact asks for may have this many times the impulse of Poisson's hypothesis.
-const MOST_REBOUND: f64 = 1.3;
-
 /// How a contact began.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Impact {
@@ -25,6 +22,8 @@ pub(crate) struct Impact {
     pub(crate) speed: f64,
     /// Normal impulse on the second body since then (N·s, N·m·s about the contact's origin).
     pub(crate) impulse: Screw,
+    /// Energy that it took from the bodies (J).
+    pub(crate) lost: f64,
     /// Whether the rebound of a stiff contact was given.
     pub(crate) rebounded: bool,
     /// Steps since the fastest approach.
@@ -47,41 +46,52 @@ impl Impact {
         if approach <= least {
             self
         } else if self.rebounded || approach > self.speed {
-            Self { speed: approach, impulse: Screw::ZERO, rebounded: false, steps: 0 }
+            Self { speed: approach, impulse: Screw::ZERO, lost: 0.0, rebounded: false, steps: 0 }
         } else {
             self
         }
     }
 
-    /// The impulse of a rebound in this step, if the contact has one. `impulse` is what stopped the bodies including this
-    /// step, as last solved, and `compliance` (1/kg) the velocity that a unit impulse along it gives.
-    ///
-    /// Bodies that were stopped in the steps before rebound, and those that are stopped early in this one.
+    /// Whether the contact rebounds in a step: bodies that were stopped before it, and those that are stopped early in it.
+    pub(crate) fn rebounds(&self, material: &Material, step: &ImpactStep) -> bool {
+        let stopped = self.was_stopped(step) || step.end > -0.25 * self.speed;
+        material.restitution > 0.0 && self.speed > 0.0 && !self.rebounded && stopped
+    }
+
+    /// The impulse of the rebound. `impulse` is what stopped the bodies including this step, as last solved; `compliance`
+    /// (1/kg) the velocity along it that a unit impulse along it gives, and `[before, free]` the velocity along it before
+    /// the step and at its end without contact.
     pub(crate) fn rebound(
         &self,
         material: &Material,
         step: &ImpactStep,
         (impulse, compliance): (Screw, f64),
+        [before, free]: [f64; 2],
     ) -> Option<Screw> {
-        let was_stopped = step.before > -0.1 * self.speed;
-        let is_stopped = step.end > -0.25 * self.speed;
-        if material.restitution <= 0.0 || self.speed <= 0.0 || self.rebounded || !(was_stopped || is_stopped)
-        {
-            return None;
-        }
-        // Where the bodies stop in this step the rebound also takes the place of what stops them.
-        let stops = if was_stopped { Screw::ZERO } else { impulse - self.impulse };
-        let most = material.restitution * impulse.linear.length() + stops.linear.length();
-        // The impulse also carries weight, and may end while the bodies still come closer: the speed is known better.
-        let speed = material.restitution * self.speed + ACCELERATION * (step.free - step.before) - step.free;
-        let rebound = (speed / compliance).clamp(0.0, MOST_REBOUND * most);
-        let rebound = impulse * (rebound / impulse.linear.length());
+        let size = impulse.linear.length();
+        // Along the impulse, bodies that give back no more than they had make no energy.
+        let approach = if self.was_stopped(step) {
+            // The impulse also carried weight while it stopped the bodies.
+            (size * compliance).min(self.speed)
+        } else {
+            // What the impact was, where part of it was stopped in the step before.
+            self.speed * before / step.before
+        };
+        let speed = material.restitution * approach + ACCELERATION * (free - before);
+        // Never more than the energy that the impact took, whatever its parts were.
+        let most = (free * free + 2.0 * compliance * self.lost.max(0.0)).sqrt();
+        let speed = speed.min(most) - free;
+        let rebound = impulse * ((speed / compliance).max(0.0) / size);
         rebound.is_finite().then_some(rebound)
     }
 
-    /// The same contact after a step in which its normal forces had the impulse `impulse`; `rebounds` where that was the
+    fn was_stopped(&self, step: &ImpactStep) -> bool {
+        step.before > -0.1 * self.speed
+    }
+
+    /// The same contact after a step in which its normal forces had the impulse `impulse` and took the energy `lost`; `rebounds` where that was the
     /// rebound.
-    pub(crate) fn after(self, step: &ImpactStep, impulse: Screw, rebounds: bool) -> Self {
+    pub(crate) fn after(self, step: &ImpactStep, (impulse, lost): (Screw, f64), rebounds: bool) -> Self {
         if self.speed <= 0.0 {
             return self;
         }
@@ -91,6 +101,7 @@ impl Impact {
         Self {
             speed: self.speed + share * (step.before - step.free).max(0.0),
             impulse: self.impulse + impulse,
+            lost: self.lost + lost,
             rebounded: self.rebounded || rebounds,
             steps: self.steps.saturating_add(1),
         }

@@ -24,7 +24,7 @@ pub(crate) struct Material {
 const LEAST_RESTITUTION: f64 = 0.03;
 
 /// Steps after which an impact that left overlap behind counts as over.
-const IMPACT_STEPS: u32 = 3;
+const IMPACT_STEPS: u32 = 10;
 
 /// However much an impact dissipates, overlap that is left after it separates up to this share of the recovery speed.
 ///

@@ -32,6 +32,8 @@ pub(crate) struct PairContacts {
     pub(crate) patches: Vec<PatchSum>,
     impact: Impact,
     step: ImpactStep,
+    /// Relative twist before the step.
+    before: Screw,
     /// Impulse of the rebound on b about [`Self::origin`], in this step.
     rebound: Option<Screw>,
     dt: f64,
@@ -82,7 +84,8 @@ impl PairContacts {
             let normal = s.normal.as_dvec3();
             let velocity = before.twist_at(arm).linear;
             let moved = (displacement_b.at(point) - displacement_a.at(point)).dot(normal) / dt;
-            let compliance: f64 = states.iter().map(|state| state.compliance(origin + arm, normal)).sum();
+            let push_there = Screw { linear: normal, angular: arm.cross(normal) };
+            let compliance: f64 = states.iter().map(|state| state.compliance(origin, push_there)).sum();
             let gain = push * compliance * dt;
             let (rate, inward) = (dt / depth, -velocity.dot(normal));
             let stiff = gain * rate > STOPS_WITHIN_A_STEP;
@@ -102,24 +105,49 @@ impl PairContacts {
                 damping: 0.0,
             };
             let guess = if memory.force > 0.0 {
-                sample.velocity_at(memory.force / whole)
+                sample.velocity_of(memory.force * sample.push / whole)
             } else {
                 sample.guess(gain, free.twist_at(arm).linear.dot(normal))
             };
             sample.linearize_at(velocity + normal * (guess + inward));
             sample
         });
-        let samples: Vec<Sample> = samples.collect();
-        let stopping = memory.impulse;
-        let direction = stopping.linear.normalize_or_zero();
-        let compliance: f64 = states.iter().map(|state| state.compliance(origin, direction)).sum();
+        let mut samples: Vec<Sample> = samples.collect();
         let rebound = memory.rebound.or_else(|| {
-            let rebound = impact.rebound(&material, &step, (stopping, compliance));
-            rebound.filter(|_| samples.iter().any(|s| s.stiff))
+            let is_stiff = samples.iter().any(|s| s.stiff);
+            let along = memory.impulse * (1.0 / memory.impulse.linear.length());
+            let compliance = states.iter().map(|state| state.compliance(origin, along)).sum();
+            let speeds = [before.dot(along), free.dot(along)];
+            let impulse = (memory.impulse, compliance);
+            (is_stiff && impact.rebounds(&material, &step))
+                .then(|| impact.rebound(&material, &step, impulse, speeds))
+                .flatten()
         });
+        if rebound.is_some() {
+            // What is left of the overlap does not add to it.
+            let dissipation = material.dissipation(Impact { rebounded: true, ..impact });
+            for s in &mut samples {
+                s.dissipation = dissipation;
+                s.linearize_at(s.velocity);
+            }
+        }
         let patches = patches.iter().map(|patch| PatchSum::of(patch, place)).collect();
         let (offset, damping) = (Screw::ZERO, Symmetric6::ZERO);
-        Self { bodies, origin, depth, material, samples, patches, impact, step, rebound, dt, offset, damping }
+        Self {
+            bodies,
+            origin,
+            depth,
+            material,
+            samples,
+            patches,
+            impact,
+            step,
+            before,
+            rebound,
+            dt,
+            offset,
+            damping,
+        }
     }
 
     /// Linearises the wrench about the velocities of the last pass.
@@ -190,7 +218,8 @@ impl PairContacts {
         let end = if force > 0.0 { power / force } else { self.step.end.max(0.0) };
         let impulse = wrench * self.dt;
         let step = ImpactStep { end, ..self.step };
-        let after = self.impact.after(&step, impulse, self.rebound.is_some());
+        let lost = -impulse.dot((self.before + twist) * 0.5);
+        let after = self.impact.after(&step, (impulse, lost), self.rebound.is_some());
         PairMemory {
             force,
             end,
@@ -202,10 +231,10 @@ impl PairContacts {
 
     /// Whether the pair has come to a stop in the step so early that it should rebound in the same step.
     pub(crate) fn should_rebound(&self, twist: Screw) -> bool {
-        let PairMemory { end, impulse, .. } = self.memory(twist);
+        let PairMemory { end, .. } = self.memory(twist);
         let step = ImpactStep { end, ..self.step };
         self.rebound.is_none()
-            && self.impact.rebound(&self.material, &step, (impulse, 1.0)).is_some()
+            && self.impact.rebounds(&self.material, &step)
             && self.samples.iter().any(|s| s.force > 0.0 && s.stiff)
     }
 

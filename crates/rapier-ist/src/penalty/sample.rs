@@ -2,6 +2,9 @@
 
 use rapier3d::glamx::DVec3;
 
+/// Halvings of the interval in which a velocity is sought: it is only where the next tangent is taken.
+const BISECTIONS: usize = 12;
+
 /// A contact sample with its force as a function of the normal velocity `u` at the end of the step.
 ///
 /// `f(u) = k V x² (1 − δ u)` with `x = 1 + h (u* − u) / 2D`, where V and D are the volume of the sample and the depth
@@ -48,13 +51,8 @@ impl Sample {
         let before = self.velocity.dot(self.normal);
         let solved = if self.force > 0.0 { self.force + self.damping * (before - u) } else { 0.0 };
         let (law, _) = self.law(u);
-        let y = 1.0 - self.dissipation * u;
-        if solved > 0.0 && y > 0.0 {
-            let at = self.velocity_at(solved / (self.push * y));
-            self.linearize_at(velocity + self.normal * (at - u));
-        } else {
-            self.linearize_at(velocity);
-        }
+        let at = if solved > 0.0 { self.velocity_of(solved) } else { u };
+        self.linearize_at(velocity + self.normal * (at - u));
         (solved, law)
     }
 
@@ -80,9 +78,23 @@ impl Sample {
         }
     }
 
-    /// The normal velocity at which the overlap pushes with `share` of its force at the predicted poses, dissipation aside.
-    pub(crate) fn velocity_at(&self, share: f64) -> f64 {
-        self.moved + 2.0 * (1.0 - share.sqrt()) / self.rate
+    /// The normal velocity at which the law gives `force`, positive (N).
+    pub(crate) fn velocity_of(&self, force: f64) -> f64 {
+        let undamped = self.moved + 2.0 * (1.0 - (force / self.push).sqrt()) / self.rate;
+        if self.dissipation <= 0.0 || undamped == 0.0 {
+            return undamped;
+        }
+        // The factor of dissipation is over 1 for approaching bodies and under 1 for others.
+        let zero = (self.moved + 2.0 / self.rate).min(1.0 / self.dissipation);
+        let (mut lower, mut upper) = (undamped.min(0.0), zero.max(undamped.min(0.0)));
+        if undamped < 0.0 {
+            (lower, upper) = (undamped, zero.min(0.0).max(undamped));
+        }
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (lower + upper);
+            if self.law(middle).0 > force { lower = middle } else { upper = middle }
+        }
+        lower
     }
 
     /// The normal velocity at which the sample's patch alone would stop bodies whose normal velocity is `free`
