@@ -1,6 +1,7 @@
 //! Bodies under volume-penalty contacts, against closed forms and conservation laws.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+mod analytic;
 mod chain;
 mod collision;
 mod inside;
