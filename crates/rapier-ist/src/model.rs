@@ -26,11 +26,13 @@ pub struct VolumePenalty {
     /// Force per overlap volume. Colliders and pairs can have their own, see
     /// [`crate::IstPlugin::set_collider_stiffness`] and [`crate::IstPlugin::set_pair_stiffness`].
     pub stiffness: Stiffness,
-    /// Hunt–Crossley dissipation (s/m): the damping force is `k V δ` per m/s of approach. The implicit step
-    /// already takes energy out of a contact. From 0, the default, to 1e6.
+    /// Least Hunt–Crossley dissipation δ (s/m), from 0, the default, to 1e6: the normal force is `k V (1 + δ v)` at the
+    /// speed of approach v (m/s). Impacts dissipate what their restitution asks for, and all other contacts at least
+    /// the inverse of [`Self::recovery_speed`].
     pub dissipation: Real,
     /// Fastest that overlap alone pushes bodies apart (m/s, times Rapier's `length_unit`), from 1e-6 to 1e6, 1 by
-    /// default. Faster recovery is damped; the force on bodies at rest stays the same.
+    /// default; never faster than by the smaller body's longest side in 0.4 s. Faster recovery is damped; the force on
+    /// bodies at rest stays the same.
     pub recovery_speed: Real,
     /// Slip speed (m/s, times Rapier's `length_unit`) under which Coulomb friction goes over into viscous creep, from
     /// 1e-6 to 1e6, 1e-3 by default.

@@ -24,6 +24,8 @@ pub(crate) struct Material {
 const LEAST_RESTITUTION: f64 = 0.03;
 
 /// Steps after which an impact that left overlap behind counts as over.
+///
+/// With 3 the kinetic energy of jacks that hit each other (e = 0) rises by 0.17 % of what it was in a step, with 10 by 0.02 %.
 const IMPACT_STEPS: u32 = 10;
 
 /// However much an impact dissipates, overlap that is left after it separates up to this share of the recovery speed.
