@@ -11,10 +11,10 @@ use ist::{BallKind, ImpactOptions};
 use rapier3d::math::Real;
 use rapier3d::parry::shape::Shape;
 
-/// Pairs are looked at along their way where that is longer than this many times the solids' thickness.
+/// Pairs are looked at along their way where that is longer than this many times the solids' thickness. Not tuned.
 const FAR: f64 = 0.5;
 
-/// And then first where they overlap by this share of the thickness, or by the next multiples of it.
+/// And then first where they overlap by this share of the thickness, or by the next multiples of it. Not tuned.
 const STRIDE: f64 = 0.25;
 
 /// Most poses along the way at which an overlap is measured.

@@ -6,7 +6,8 @@ use rapier3d::math::Real;
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub enum ContactModel {
-    /// A force in proportion to the overlap volume, found by one linearly implicit solve per step.
+    /// A force in proportion to the overlap volume, found by a linearly implicit solve, repeated at most twice where contacts
+    /// end up far from where they were measured.
     VolumePenalty(VolumePenalty),
     /// One contact manifold per pair (depth V/A along the volume gradient) for Rapier's own constraint solver.
     VolumeManifold,

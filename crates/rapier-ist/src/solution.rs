@@ -20,10 +20,11 @@ pub(crate) struct Solution {
     pub(crate) states: Vec<Screw>,
 }
 
-/// A contact is measured again where it moved by more than this share of its depth from where it was measured.
+/// A contact is measured again where it moved by more than this share of its depth from where it was measured. Not tuned.
 const STALE: f64 = 0.25;
 
 /// A pair that did not touch is looked at again where it moved by more than this share of its size from where it was.
+/// Not tuned.
 const STALE_GAP: f64 = 1e-3;
 
 impl Solution {
