@@ -4,9 +4,9 @@ use crate::bodies::Bodies;
 use crate::candidates::Candidate;
 use crate::contact_law::ContactLaw;
 use crate::memory::Memory;
-use crate::penalty::Screw;
+use crate::penalty::{PairContacts, Screw};
 use crate::query::{Contact, contacts};
-use crate::solution::{Solution, Solved, solve};
+use crate::solution::{Solution, Solved, Start, solve};
 use crate::user_forces::BodyForce;
 use crate::waking::wake_touched_bodies;
 use crate::{ContactState, PairContact, PatchContact, StepReport, WorldParts};
@@ -28,16 +28,18 @@ pub(crate) fn respond(
     }
     wake_touched_bodies(world, &found);
     let bodies = Bodies::new(world, &candidates);
-    let mut start: Vec<Screw> = bodies.states.iter().map(|state| state.unchanged).collect();
+    let mut states: Vec<Screw> = bodies.states.iter().map(|state| state.unchanged).collect();
+    let mut known: Vec<Option<PairContacts>> = vec![None; found.len()];
     // How contacts began is known from the steps before, the forces from the last solve.
     let before = std::mem::take(memory);
     *memory = before.iter().map(|(pair, known)| (*pair, known.next())).collect();
     let mut round = 1;
     let solution = loop {
         let touching: Vec<&Contact> = found.iter().flatten().collect();
-        let solution = timed(&mut report.solve_seconds, || {
-            solve(world, (&bodies, &start), (&touching, &before, memory), law)
-        });
+        let known_touching =
+            known.drain(..).zip(&found).filter_map(|(known, found)| found.as_ref().map(|_| known));
+        let start = Start { states: &states, known: known_touching.collect(), memories: [&before, memory] };
+        let solution = timed(&mut report.solve_seconds, || solve(world, &bodies, &touching, start, law));
         solution.remember(&touching, memory);
         if round == MAX_ROUNDS {
             break solution;
@@ -46,14 +48,17 @@ pub(crate) fn respond(
         let moved: Vec<Candidate> = stale.iter().map(|&index| candidates[index]).collect();
         let next = timed(&mut report.query_seconds, || contacts(world.colliders, &moved));
         // Where nothing overlaps any more the tangent that pushed the pair apart still holds.
-        let mut anew: Vec<_> = stale.into_iter().zip(next).filter(|(_, next)| next.is_some()).collect();
-        if anew.is_empty() && !solution.solved.iter().any(|pair| pair.should_rebound) {
+        let anew: Vec<_> = stale.into_iter().zip(next).filter(|(_, next)| next.is_some()).collect();
+        if anew.is_empty() && !solution.has_rebounds() {
             break solution;
         }
-        for (index, next) in anew.drain(..) {
-            found[index] = next;
+        states.clone_from(&solution.states);
+        let mut solved = solution.into_contacts();
+        known.extend(found.iter().map(|found| found.as_ref().and_then(|_| solved.next().flatten())));
+        drop(solved);
+        for (index, next) in anew {
+            (found[index], known[index]) = (next, None);
         }
-        start = solution.states;
         round += 1;
     };
     let touching: Vec<&Contact> = found.iter().flatten().collect();
@@ -82,27 +87,32 @@ fn collect(
     report: &mut StepReport,
 ) -> Vec<BodyForce> {
     let mut sums = vec![Screw::ZERO; bodies.states.len()];
-    for Solved { pair, origin, depth, wrench, relative_velocity, patches, .. } in
-        solved.into_iter().filter(|s| s.wrench.is_finite())
-    {
+    for Solved { pair, contacts: solved, twist, relative_velocity } in solved {
+        let (origin, wrench) = (solved.origin, solved.wrench(twist));
+        if !wrench.is_finite() {
+            continue;
+        }
         let [a, b] = pairs[pair];
         sums[b] += wrench.wrench_from(origin - bodies.states[b].center_of_mass);
         sums[a] += -wrench.wrench_from(origin - bodies.states[a].center_of_mass);
-        report.patches.extend(patches.into_iter().map(|(patch, wrench)| PatchContact {
-            pair: report.contacts.len(),
-            volume: patch.volume as Real,
-            depth: patch.depth as Real,
-            centroid: (origin + patch.arm).as_vec3(),
-            force: wrench.linear.as_vec3(),
-            torque: wrench.wrench_from(-patch.arm).angular.as_vec3(),
-            relative_velocity: relative_velocity.twist_at(patch.arm).linear.as_vec3(),
+        report.patches.extend(solved.patches.iter().map(|patch| {
+            let wrench = patch.wrench(twist);
+            PatchContact {
+                pair: report.contacts.len(),
+                volume: patch.volume as Real,
+                depth: patch.depth as Real,
+                centroid: (origin + patch.arm).as_vec3(),
+                force: wrench.linear.as_vec3(),
+                torque: wrench.wrench_from(-patch.arm).angular.as_vec3(),
+                relative_velocity: relative_velocity.twist_at(patch.arm).linear.as_vec3(),
+            }
         }));
         report.contacts.push(PairContact {
             collider_a: contacts[pair].candidate.colliders[0],
             collider_b: contacts[pair].candidate.colliders[1],
             state: ContactState::Started,
             volume: contacts[pair].samples.iter().map(|s| s.volume).sum(),
-            depth: depth as Real,
+            depth: solved.depth as Real,
             centroid: origin.as_vec3(),
             force: wrench.linear.as_vec3(),
             torque: wrench.angular.as_vec3(),

@@ -6,9 +6,8 @@ use crate::candidates::Candidate;
 use crate::contact_law::{ContactLaw, material};
 use crate::lookahead::Displacement;
 use crate::memory::{Memory, PairMemory};
-use crate::penalty::{Island, Material, PairContacts, PatchSum, Screw, SolverBody, islands};
+use crate::penalty::{Island, PairContacts, Screw, SolverBody, islands};
 use crate::query::Contact;
-use rapier3d::glamx::DVec3;
 
 /// The pairs after a solve, and the velocities of the bodies that it found.
 pub(crate) struct Solution {
@@ -31,7 +30,18 @@ impl Solution {
     /// Replaces what is remembered of all pairs.
     pub(crate) fn remember(&self, contacts: &[&Contact], memory: &mut Memory) {
         memory.clear();
-        memory.extend(self.solved.iter().map(|s| (contacts[s.pair].candidate.colliders, s.memory)));
+        let known = |s: &Solved| (contacts[s.pair].candidate.colliders, s.contacts.memory(s.twist));
+        memory.extend(self.solved.iter().map(known));
+    }
+
+    /// Whether a pair has come to a stop so early that another solve should make it rebound.
+    pub(crate) fn has_rebounds(&self) -> bool {
+        self.solved.iter().any(Solved::should_rebound)
+    }
+
+    /// The pairs as they stand, one for each of the contacts that were solved; none for those that rebound.
+    pub(crate) fn into_contacts(self) -> impl Iterator<Item = Option<PairContacts>> {
+        self.solved.into_iter().map(|s| (!s.should_rebound()).then_some(s.contacts))
     }
 
     /// Candidates that do not end up near the poses at which they were measured; moves them there.
@@ -54,7 +64,7 @@ impl Solution {
         let mut strains = vec![0.0; candidates.len()];
         let touching = (0..found.len()).filter(|&index| found[index].is_some());
         for (solved, index) in self.solved.iter().zip(touching) {
-            strains[index] = solved.strain;
+            strains[index] = solved.contacts.strain(solved.twist);
         }
         let mut stale = Vec::new();
         for (index, candidate) in candidates.iter_mut().enumerate() {
@@ -75,35 +85,55 @@ impl Solution {
     }
 }
 
-/// Solves all pairs of `contacts`, in parallel by islands, beginning with the unknowns `start`.
+/// What a solve starts from.
+pub(crate) struct Start<'a> {
+    /// The unknowns of all bodies.
+    pub(crate) states: &'a [Screw],
+    /// Pairs that were solved before and have not been measured since.
+    pub(crate) known: Vec<Option<PairContacts>>,
+    /// What is remembered from the step before, and from the last solve.
+    pub(crate) memories: [&'a Memory; 2],
+}
+
+/// Solves all pairs of `contacts`, in parallel by islands.
 pub(crate) fn solve(
     world: &WorldParts<'_>,
-    (bodies, start): (&Bodies, &[Screw]),
-    (contacts, before, memory): (&[&Contact], &Memory, &Memory),
+    bodies: &Bodies,
+    contacts: &[&Contact],
+    start: Start<'_>,
     law: ContactLaw<'_>,
 ) -> Solution {
     let dt = f64::from(world.integration_parameters.dt);
     let pairs: Vec<[usize; 2]> =
         contacts.iter().map(|contact| bodies.pair(world, &contact.candidate)).collect();
     let movable: Vec<bool> = bodies.states.iter().map(SolverBody::is_movable).collect();
-    let inputs: Vec<(Material, PairMemory)> = contacts
-        .iter()
-        .map(|contact| {
-            let of = |memory: &Memory| memory.get(&contact.candidate.colliders).copied().unwrap_or_default();
-            let memory = PairMemory { impact: of(before).impact, ..of(memory) };
-            (material(world, contact, law), memory)
+    let [before, last] = start.memories;
+    let new = |index: usize| {
+        let contact = contacts[index];
+        let of = |memory: &Memory| memory.get(&contact.candidate.colliders).copied().unwrap_or_default();
+        let memory = PairMemory { impact: of(before).impact, ..of(last) };
+        let states = pairs[index].map(|body| &bodies.states[body]);
+        PairContacts::new(states, (material(world, contact, law), memory), contact, dt)
+    };
+    let known = start.known.into_iter().enumerate();
+    let mut pair_contacts: Vec<Option<PairContacts>> =
+        known.map(|(index, known)| known.or_else(|| Some(new(index)))).collect();
+    let islands = islands(&pairs, &movable);
+    let islands: Vec<(Vec<usize>, Vec<PairContacts>)> = islands
+        .into_iter()
+        .map(|members| {
+            let contacts = members.iter().filter_map(|&pair| pair_contacts[pair].take()).collect();
+            (members, contacts)
         })
         .collect();
-    let islands = islands(&pairs, &movable);
-    let solve =
-        |members: &Vec<usize>| solve_island((bodies, start), members, &pairs, (contacts, &inputs), dt);
+    let solve = |(members, contacts)| solve_island((bodies, start.states), (members, contacts), &pairs, dt);
     #[cfg(feature = "parallel")]
     let solved: Vec<_> = {
         use rayon::prelude::*;
-        islands.par_iter().map(solve).collect()
+        islands.into_par_iter().map(solve).collect()
     };
     #[cfg(not(feature = "parallel"))]
-    let solved: Vec<_> = islands.iter().map(solve).collect();
+    let solved: Vec<_> = islands.into_iter().map(solve).collect();
     let mut states: Vec<Screw> = vec![Screw::ZERO; bodies.states.len()];
     let mut all = Vec::with_capacity(pairs.len());
     for (pairs, island) in solved {
@@ -116,57 +146,47 @@ pub(crate) fn solve(
     Solution { pairs, solved: all, states }
 }
 
-/// One pair after the solve: its index, its point of reference and the wrench on its second body about that.
+/// One pair after the solve.
 pub(crate) struct Solved {
+    /// Its index.
     pub(crate) pair: usize,
-    pub(crate) origin: DVec3,
-    pub(crate) depth: f64,
-    pub(crate) wrench: Screw,
+    pub(crate) contacts: PairContacts,
+    /// At the end of the step, at the origin of the contacts.
+    pub(crate) twist: Screw,
+    /// The same before the step.
     pub(crate) relative_velocity: Screw,
-    /// With the wrenches on the second body about the pair's origin.
-    pub(crate) patches: Vec<(PatchSum, Screw)>,
-    memory: PairMemory,
-    pub(crate) should_rebound: bool,
-    /// How far from where it was measured the contact ends up, in units of its depth.
-    strain: f64,
+}
+
+impl Solved {
+    fn should_rebound(&self) -> bool {
+        self.contacts.should_rebound(self.twist)
+    }
 }
 
 fn solve_island(
     (bodies, start): (&Bodies, &[Screw]),
-    members: &[usize],
+    (members, contacts): (Vec<usize>, Vec<PairContacts>),
     pairs: &[[usize; 2]],
-    (contacts, inputs): (&[&Contact], &[(Material, PairMemory)]),
     dt: f64,
 ) -> (Vec<Solved>, Vec<(usize, Screw)>) {
     let mut used: Vec<usize> = members.iter().flat_map(|&pair| pairs[pair]).collect();
     used.sort_unstable();
     used.dedup();
     let local = |body: usize| used.binary_search(&body).unwrap_or(0);
-    let contacts = members.iter().map(|&pair| {
-        let states = pairs[pair].map(|body| &bodies.states[body]);
-        PairContacts::new(pairs[pair].map(local), states, inputs[pair], contacts[pair], dt)
-    });
-    let contacts = contacts.collect();
     let mut island = Island::new(
         used.iter().map(|&body| bodies.states[body]).collect(),
-        contacts,
+        members.iter().map(|&pair| pairs[pair].map(local)).zip(contacts).collect(),
         used.iter().map(|&body| start[body]).collect(),
     );
     island.solve(dt);
-    let solved = members.iter().enumerate().map(|(index, &pair)| {
-        let (contacts, twist) = (&island.pairs[index], island.pair_twist(index));
-        Solved {
-            pair,
-            origin: contacts.origin,
-            depth: contacts.depth,
-            wrench: contacts.wrench(twist),
-            patches: contacts.patches.iter().map(|patch| (*patch, patch.wrench(twist))).collect(),
-            memory: contacts.memory(twist),
-            should_rebound: contacts.should_rebound(twist),
-            strain: contacts.strain(twist),
-            relative_velocity: contacts.relative_twist(&island.bodies, |i| island.bodies[i].velocity),
-        }
+    let states = used.iter().enumerate().map(|(i, &body)| (body, island.state(i))).collect();
+    let twists = island.twists_before().into_iter().zip(island.final_twists());
+    let solved = members.into_iter().zip(island.into_contacts()).zip(twists);
+    let solved = solved.map(|((pair, contacts), (relative_velocity, twist))| Solved {
+        pair,
+        contacts,
+        twist,
+        relative_velocity,
     });
-    let solved = solved.collect();
-    (solved, used.iter().enumerate().map(|(i, &body)| (body, island.state(i))).collect())
+    (solved.collect(), states)
 }

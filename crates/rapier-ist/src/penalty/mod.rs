@@ -31,7 +31,6 @@ pub(crate) use impact::Impact;
 pub(crate) use island::islands;
 pub(crate) use material::Material;
 pub(crate) use pair::PairContacts;
-pub(crate) use patch_sum::PatchSum;
 pub(crate) use system::Island;
 pub(crate) use twist::Screw;
 
@@ -43,21 +42,16 @@ const PASS_TOLERANCE: f64 = 1e-3;
 
 impl Island {
     /// Finds the velocities at the end of a step of `dt` seconds; contact wrenches are then those of
-    /// [`PairContacts::wrench`] and [`PatchSum::wrench`] at [`Island::pair_twist`].
+    /// [`PairContacts::wrench`] and [`PatchSum::wrench`](patch_sum::PatchSum::wrench) at [`Island::final_twists`].
     pub(crate) fn solve(&mut self, dt: f64) {
         for _ in 0..MAX_PASSES {
             self.pairs.iter_mut().for_each(PairContacts::linearize);
             self.solve_linear(dt);
-            let twists: Vec<Screw> = (0..self.pairs.len()).map(|pair| self.pair_twist(pair)).collect();
+            let twists = self.final_twists();
             let change = |(pair, twist): (&mut PairContacts, Screw)| pair.update(twist);
             if self.pairs.iter_mut().zip(twists).map(change).fold(0.0, f64::max) < PASS_TOLERANCE {
                 break;
             }
         }
-    }
-
-    /// Relative velocity of pair `pair` at the end of the step, at its origin.
-    pub(crate) fn pair_twist(&self, pair: usize) -> Screw {
-        self.pairs[pair].relative_twist(&self.bodies, |i| self.final_twist(i))
     }
 }

@@ -20,8 +20,6 @@ const STOPS_WITHIN_A_STEP: f64 = 0.5;
 /// Contact samples between bodies `a` and `b` and the wrench they exert, linearised in the final velocity.
 #[derive(Clone, Debug)]
 pub(crate) struct PairContacts {
-    /// Indices into the solver's bodies.
-    pub(crate) bodies: [usize; 2],
     /// Point of reference of `offset` and `damping`: the centroid of the overlap, world frame.
     pub(crate) origin: DVec3,
     /// Depth of the deepest patch (m).
@@ -37,6 +35,8 @@ pub(crate) struct PairContacts {
     /// Impulse of the rebound on b about [`Self::origin`], in this step.
     rebound: Option<Screw>,
     dt: f64,
+    /// The lesser of the forces besides contacts on those of the bodies that can move (N).
+    load: f64,
     /// Wrench on b at zero relative velocity.
     offset: Screw,
     /// What a relative twist takes away from it.
@@ -46,7 +46,6 @@ pub(crate) struct PairContacts {
 impl PairContacts {
     /// From the samples of `contact`, measured at the predicted poses; `dt` is the time step (s).
     pub(crate) fn new(
-        bodies: [usize; 2],
         states: [&SolverBody; 2],
         (material, memory): (Material, PairMemory),
         contact: &Contact,
@@ -73,6 +72,7 @@ impl PairContacts {
         };
         let step = ImpactStep { before: mean(before), free: mean(free), end: memory.end };
         let impact = memory.impact.approached(-step.before, material.rebound_speed);
+        let dissipation = material.dissipation(impact);
         let samples = patches.iter().flat_map(|patch| {
             let push: f64 =
                 patch.samples.iter().map(|s| f64::from(s.volume)).sum::<f64>() * material.stiffness;
@@ -89,7 +89,6 @@ impl PairContacts {
             let gain = push * compliance * dt;
             let (rate, inward) = (dt / depth, -velocity.dot(normal));
             let stiff = gain * rate > STOPS_WITHIN_A_STEP;
-            let dissipation = material.dissipation(impact);
             // The end of the step sees the force half a step early, which dissipates by h/2D.
             let lead = if impact.speed > 0.0 && !stiff { 0.5 * rate } else { 0.0 };
             let mut sample = Sample {
@@ -132,9 +131,10 @@ impl PairContacts {
             }
         }
         let patches = patches.iter().map(|patch| PatchSum::of(patch, place)).collect();
+        let movable = states.into_iter().filter(|state| state.is_movable());
+        let load = movable.map(|state| state.external.linear.length()).fold(f64::INFINITY, f64::min);
         let (offset, damping) = (Screw::ZERO, Symmetric6::ZERO);
         Self {
-            bodies,
             origin,
             depth,
             material,
@@ -145,6 +145,7 @@ impl PairContacts {
             before,
             rebound,
             dt,
+            load,
             offset,
             damping,
         }
@@ -181,7 +182,8 @@ impl PairContacts {
     }
 
     /// Takes over the relative twist of a solve for the next linearisation. Returns how far the forces of the law are
-    /// from those of the linearised system, relative to their sum.
+    /// from those of the linearised system, relative to their sum or to what the lighter body bears besides contacts:
+    /// contacts that hardly touch do not keep all others waiting.
     pub(crate) fn update(&mut self, twist: Screw) -> f64 {
         let (mut change, mut total) = (0.0, 0.0);
         for s in &mut self.samples {
@@ -189,7 +191,7 @@ impl PairContacts {
             change += (solved - law).abs();
             total += solved.abs().max(law);
         }
-        if total > 0.0 { change / total } else { 0.0 }
+        if total > 0.0 { change / total.max(self.load) } else { 0.0 }
     }
 
     /// Share of the friction that the pair has.
@@ -252,13 +254,6 @@ impl PairContacts {
     /// Wrench on b about [`Self::origin`] at the given relative twist.
     pub(crate) fn wrench(&self, twist: Screw) -> Screw {
         self.offset - self.damping * twist
-    }
-
-    /// Velocity of b relative to a at [`Self::origin`].
-    pub(crate) fn relative_twist(&self, bodies: &[SolverBody], of: impl Fn(usize) -> Screw) -> Screw {
-        let [a, b] = self.bodies;
-        of(b).twist_at(self.origin - bodies[b].center_of_mass)
-            - of(a).twist_at(self.origin - bodies[a].center_of_mass)
     }
 
     pub(crate) fn damping(&self) -> &Symmetric6 {

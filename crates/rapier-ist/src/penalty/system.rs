@@ -7,7 +7,7 @@
 use super::body::SolverBody;
 use super::pair::PairContacts;
 use super::twist::{Screw, Symmetric6};
-use rapier3d::glamx::DMat3;
+use rapier3d::glamx::{DMat3, DVec3};
 
 /// Relative residual at which the iteration stops. Forces are then right to about 1e-6, well under the rounding of
 /// the poses they act on.
@@ -27,13 +27,58 @@ const MAX_ITERATIONS: usize = 400;
 pub(crate) struct Island {
     pub(crate) bodies: Vec<SolverBody>,
     pub(crate) pairs: Vec<PairContacts>,
+    links: Vec<Link>,
     /// `y` of each body.
     state: Vec<Screw>,
 }
 
+/// Where the contacts of a pair act.
+#[derive(Clone, Copy, Debug)]
+struct Link {
+    /// Indices of the bodies.
+    bodies: [usize; 2],
+    /// From the bodies' centres of mass to the pair's origin.
+    arms: [DVec3; 2],
+}
+
+impl Link {
+    /// Velocity of the second body relative to the first at the pair's origin.
+    fn relative_twist(&self, twists: &[Screw]) -> Screw {
+        let ([a, b], [arm_a, arm_b]) = (self.bodies, self.arms);
+        twists[b].twist_at(arm_b) - twists[a].twist_at(arm_a)
+    }
+}
+
 impl Island {
-    pub(crate) fn new(bodies: Vec<SolverBody>, pairs: Vec<PairContacts>, state: Vec<Screw>) -> Self {
-        Self { bodies, pairs, state }
+    /// `pairs` are the contacts between the bodies of the given indices, `state` the unknowns to start with.
+    pub(crate) fn new(
+        bodies: Vec<SolverBody>,
+        pairs: Vec<([usize; 2], PairContacts)>,
+        state: Vec<Screw>,
+    ) -> Self {
+        let link = |(indices, pair): &([usize; 2], PairContacts)| Link {
+            bodies: *indices,
+            arms: indices.map(|body| pair.origin - bodies[body].center_of_mass),
+        };
+        let links = pairs.iter().map(link).collect();
+        Self { links, bodies, pairs: pairs.into_iter().map(|(_, pair)| pair).collect(), state }
+    }
+
+    /// The contacts, in the order in which they came.
+    pub(crate) fn into_contacts(self) -> Vec<PairContacts> {
+        self.pairs
+    }
+
+    /// Relative velocities of each pair at its origin, at the end of the step as last solved.
+    pub(crate) fn final_twists(&self) -> Vec<Screw> {
+        let twists: Vec<Screw> = (0..self.bodies.len()).map(|i| self.final_twist(i)).collect();
+        self.links.iter().map(|link| link.relative_twist(&twists)).collect()
+    }
+
+    /// The same before the step.
+    pub(crate) fn twists_before(&self) -> Vec<Screw> {
+        let twists: Vec<Screw> = self.bodies.iter().map(|body| body.velocity).collect();
+        self.links.iter().map(|link| link.relative_twist(&twists)).collect()
     }
 
     /// `y` of body `i`, as last solved.
@@ -42,23 +87,28 @@ impl Island {
     }
 
     /// Twist of body `i` at the end of the step, as last solved.
-    pub(crate) fn final_twist(&self, i: usize) -> Screw {
+    fn final_twist(&self, i: usize) -> Screw {
         self.bodies[i].predicted + self.bodies[i].root_times(self.state[i])
     }
 
-    /// Solves with the pairs as they are linearised now, starting from the present state. Returns the number of
-    /// iterations.
-    pub(crate) fn solve_linear(&mut self, dt: f64) -> usize {
+    /// Solves with the pairs as they are linearised now, starting from the present state.
+    ///
+    /// Solving only to a tenth of the first residual in passes that are not the last saves nothing: stiff contacts make
+    /// large forces of small residuals, and a pile of gears explodes.
+    pub(crate) fn solve_linear(&mut self, dt: f64) {
         let preconditioner = self.preconditioner(dt);
         let rhs = self.right_hand_side(dt);
         let image = self.image(&self.state, dt);
         let mut residual: Vec<Screw> = rhs.iter().zip(&image).map(|(rhs, image)| *rhs - *image).collect();
         let goal = TOLERANCE * TOLERANCE * dot(&rhs, &rhs);
-        let mut z = apply(&preconditioner, &residual);
+        let mut z = vec![Screw::ZERO; residual.len()];
+        apply(&preconditioner, &residual, &mut z);
         let mut direction = z.clone();
         let mut rz = dot(&residual, &z);
-        let mut iterations = 0;
-        while iterations < MAX_ITERATIONS && !self.is_small(&residual) && dot(&residual, &residual) > goal {
+        for _ in 0..MAX_ITERATIONS {
+            if self.is_small(&residual) || dot(&residual, &residual) <= goal {
+                break;
+            }
             let image = self.image(&direction, dt);
             let curvature = dot(&direction, &image);
             if !(curvature > 0.0 && curvature.is_finite()) {
@@ -69,16 +119,14 @@ impl Island {
                 self.state[i] += direction[i] * step;
                 residual[i] = residual[i] - image[i] * step;
             }
-            z = apply(&preconditioner, &residual);
+            apply(&preconditioner, &residual, &mut z);
             let next = dot(&residual, &z);
             let turn = next / rz;
             rz = next;
             for (d, z) in direction.iter_mut().zip(&z) {
                 *d = *z + *d * turn;
             }
-            iterations += 1;
         }
-        iterations
     }
 
     /// Whether the residual of every body is a small share of its own load: a light body counts as much as a heavy one.
@@ -92,11 +140,8 @@ impl Island {
 
     /// `h Lᵀ r`, where r are the wrenches at the predicted twists.
     fn right_hand_side(&self, dt: f64) -> Vec<Screw> {
-        let mut out = vec![Screw::ZERO; self.bodies.len()];
-        for pair in &self.pairs {
-            let twist = pair.relative_twist(&self.bodies, |i| self.bodies[i].predicted);
-            self.scatter(pair, pair.wrench(twist), &mut out);
-        }
+        let twists: Vec<Screw> = self.bodies.iter().map(|body| body.predicted).collect();
+        let mut out = self.wrenches(&twists, PairContacts::wrench);
         for (out, body) in out.iter_mut().zip(&self.bodies) {
             *out = body.root_transpose_times(*out) * dt;
         }
@@ -105,30 +150,33 @@ impl Island {
 
     /// `(I + h Lᵀ S L) y`.
     fn image(&self, y: &[Screw], dt: f64) -> Vec<Screw> {
-        let mut out = vec![Screw::ZERO; y.len()];
-        for pair in &self.pairs {
-            let twist = pair.relative_twist(&self.bodies, |i| self.bodies[i].root_times(y[i]));
-            self.scatter(pair, *pair.damping() * twist, &mut out);
-        }
-        for (i, body) in self.bodies.iter().enumerate() {
-            out[i] = y[i] + body.root_transpose_times(out[i]) * dt;
+        let twists: Vec<Screw> = self.bodies.iter().zip(y).map(|(body, y)| body.root_times(*y)).collect();
+        let mut out = self.wrenches(&twists, |pair, twist| *pair.damping() * twist);
+        for ((out, body), y) in out.iter_mut().zip(&self.bodies).zip(y) {
+            *out = *y + body.root_transpose_times(*out) * dt;
         }
         out
     }
 
-    /// Adds the wrench that `pair` exerts on b, and its opposite on a, to the bodies' wrenches.
-    fn scatter(&self, pair: &PairContacts, wrench: Screw, out: &mut [Screw]) {
-        let [a, b] = pair.bodies;
-        out[b] += wrench.wrench_from(pair.origin - self.bodies[b].center_of_mass);
-        out[a] += -wrench.wrench_from(pair.origin - self.bodies[a].center_of_mass);
+    /// Sum of the wrenches on every body about its centre of mass; `wrench` tells that on b for the relative twist of
+    /// a pair, which has the opposite on a.
+    fn wrenches(&self, twists: &[Screw], wrench: impl Fn(&PairContacts, Screw) -> Screw) -> Vec<Screw> {
+        let mut out = vec![Screw::ZERO; self.bodies.len()];
+        for (pair, link) in self.pairs.iter().zip(&self.links) {
+            let wrench = wrench(pair, link.relative_twist(twists));
+            let ([a, b], [arm_a, arm_b]) = (link.bodies, link.arms);
+            out[b] += wrench.wrench_from(arm_b);
+            out[a] += -wrench.wrench_from(arm_a);
+        }
+        out
     }
 
     /// Inverse diagonal blocks.
     fn preconditioner(&self, dt: f64) -> Vec<Symmetric6> {
         let mut blocks = vec![Symmetric6::ZERO; self.bodies.len()];
-        for pair in &self.pairs {
-            for i in pair.bodies {
-                blocks[i] += pair.damping().moved(pair.origin - self.bodies[i].center_of_mass);
+        for (pair, link) in self.pairs.iter().zip(&self.links) {
+            for (body, arm) in link.bodies.into_iter().zip(link.arms) {
+                blocks[body] += pair.damping().moved(arm);
             }
         }
         let inverse = |(block, body): (&Symmetric6, &SolverBody)| {
@@ -141,8 +189,10 @@ impl Island {
     }
 }
 
-fn apply(blocks: &[Symmetric6], v: &[Screw]) -> Vec<Screw> {
-    blocks.iter().zip(v).map(|(block, v)| *block * *v).collect()
+fn apply(blocks: &[Symmetric6], v: &[Screw], out: &mut [Screw]) {
+    for ((block, v), out) in blocks.iter().zip(v).zip(out) {
+        *out = *block * *v;
+    }
 }
 
 fn dot(a: &[Screw], b: &[Screw]) -> f64 {
