@@ -100,7 +100,7 @@ pub(super) fn for_each_block<S: Simd>(
         keep_touching(simd, &children[level], &ball, &mut near[level]);
         children[below].len = 0;
         if below < a.data.height() {
-            expand(simd, a, (&near[level], below), &ball, &mut children[below]);
+            expand(simd, a, (near[level].indices(), below), &ball, &mut children[below]);
         } else {
             keep_touching(simd, &near[level], &ball, &mut children[below]);
         }
@@ -134,7 +134,7 @@ fn descend_alone<S: Simd>(
     for level in (down_to..a.data.height()).rev() {
         core::mem::swap(spare, list);
         list.len = 0;
-        expand(simd, a, (spare, level), ball, list);
+        expand(simd, a, (spare.indices(), level), ball, list);
     }
 }
 
@@ -162,16 +162,16 @@ pub(super) fn keep_touching<S: Simd>(simd: S, list: &Candidates, ball: &Ball<S>,
     }
 }
 
-/// Appends to `kept` the balls on `level` of A below those of `list` that meet `ball`.
+/// Appends to `kept` the balls on `level` of A below `parents` that meet `ball`.
 #[inline(always)]
 pub(super) fn expand<S: Simd>(
     simd: S,
     a: Skinned,
-    (list, level): (&Candidates, usize),
+    (parents, level): (&[u32], usize),
     ball: &Ball<S>,
     kept: &mut Candidates,
 ) {
-    for parent in &list.index[..list.len] {
+    for parent in parents {
         let block = a.block(simd, level, *parent as usize);
         let mask = block.touches(ball);
         if mask.any_true() {

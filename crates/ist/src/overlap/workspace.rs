@@ -88,6 +88,11 @@ impl Candidates {
         self.len = 0;
     }
 
+    /// Those of the balls in the list.
+    pub(super) fn indices(&self) -> &[u32] {
+        &self.index[..self.len]
+    }
+
     /// Room for `more` balls behind those in the list, whatever their number was.
     #[inline(always)]
     pub(super) fn make_room(&mut self, more: usize) {
