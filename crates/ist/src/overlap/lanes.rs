@@ -69,6 +69,13 @@ impl<S: Simd> BlockLanes<S> {
         (dx * dx + dy * dy + dz * dz).simd_lt(reach * reach)
     }
 
+    /// Appends the numbers of the balls in `mask`, and not where they are.
+    #[inline(always)]
+    pub(super) fn append_index_where(&self, simd: S, mask: mask32x8<S>, list: &mut Candidates) {
+        simd.compress_u32x8(self.index, mask).store_slice(&mut list.index[list.len..list.len + WIDTH]);
+        list.len += mask.to_bitmask().count_ones() as usize;
+    }
+
     #[inline(always)]
     pub(super) fn append_where(&self, simd: S, mask: mask32x8<S>, list: &mut Candidates) {
         let at = list.len..list.len + WIDTH;

@@ -24,8 +24,8 @@ pub struct OverlapWorkspace {
 /// Scratch memory of a walk over two trees.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TraversalScratch {
-    /// Per level of B's tree: balls of A that meet the current ball of B.
-    pub(super) near: Vec<Candidates>,
+    /// Balls of A that meet the current ball of B: their numbers only, but for those that the walk begins with.
+    pub(super) near: Candidates,
     /// Per level of B's tree: children of the level above's `near` that meet the ball above.
     pub(super) children: Vec<Candidates>,
     /// Per level of B's tree: the current block of B in A's frame.
@@ -60,14 +60,13 @@ impl TraversalScratch {
     /// Makes room for a walk over `a` and `b`.
     pub(super) fn fit(&mut self, a: &TreeData, b: &TreeData) {
         let levels = b.levels.len();
-        if self.near.len() < levels {
-            self.near.resize_with(levels, Candidates::default);
+        if self.children.len() < levels {
             self.children.resize_with(levels, Candidates::default);
             self.blocks.resize(levels, Siblings::NONE);
         }
         for level in 0..levels {
             let most = a.levels[level.min(a.height())].blocks.len() * WIDTH;
-            self.near[level].fit(most);
+            self.near.fit(most);
             self.children[level].fit(most);
         }
     }

@@ -93,7 +93,10 @@ impl<'q> RowMaker<'q> {
         let (mut lower, mut upper, mut depth, mut volume) = (zero, zero, zero, zero);
         let nothing = Lanes3::zero(simd);
         let (mut moment, mut force, mut torque) = (nothing, nothing, nothing);
-        let (mut normals, mut normals_torque) = (nothing, nothing);
+        let (mut outward, mut outward_torque) = (nothing, nothing);
+        let [x, y, z] = (query.pose.rotation * b.normal).to_array();
+        let normal_b =
+            Lanes3 { x: f32x8::splat(simd, x), y: f32x8::splat(simd, y), z: f32x8::splat(simd, z) };
         for first in range.clone().step_by(WIDTH) {
             if self.meter.work(Meter::LENS as usize) {
                 return None;
@@ -127,8 +130,9 @@ impl<'q> RowMaker<'q> {
             let area = lens.area * density;
             force = force.add_scaled(area, lens.axis);
             torque = torque.plus(pairs.center_a.scale(area).cross(lens.axis));
-            normals = normals.add_scaled(expected, a.normal);
-            normals_torque = normals_torque.plus(expected_moment.cross(a.normal));
+            let normal = a.normal.minus(normal_b);
+            outward = outward.add_scaled(expected, normal);
+            outward_torque = outward_torque.plus(expected_moment.cross(normal));
             if self.level_a == 0 || self.level_b == 0 {
                 let [in_a, in_b] = containment(&pairs, query.rounding);
                 if self.level_a == 0 {
@@ -143,13 +147,11 @@ impl<'q> RowMaker<'q> {
         let upper = sum(upper).min(most);
         let moment = sum3(moment);
         let volume = sum(volume);
-        let normal_b = query.pose.rotation * b.normal;
         let expected = Expected {
             volume,
             moment,
             gradient: Wrench { force: sum3(force), torque: sum3(torque) },
-            normals_a: Wrench { force: sum3(normals), torque: sum3(normals_torque) },
-            normals_b: Wrench { force: volume * normal_b, torque: moment.cross(normal_b) },
+            outward: Wrench { force: sum3(outward), torque: sum3(outward_torque) },
         };
         let lower = sum(lower).min(upper);
         let within = volume.min(b.volume).clamp(lower, upper);

@@ -20,7 +20,7 @@ const APPROACH: u64 = 4;
 
 /// Part of the time that is left for what follows the last reading: the work up to where the next would have been, 0.1 to
 /// 1 µs, and sums over what is still open. Most queries end within nine tenths of their time.
-const RESERVE: u32 = 10;
+pub(super) const RESERVE: u32 = 10;
 
 /// Keeps a budget.
 #[derive(Debug)]
@@ -28,7 +28,8 @@ pub(super) struct Meter {
     /// Visits that are left.
     left: u32,
     visits: u32,
-    /// Units of work done, and at which the clock is read next.
+    /// Units of work done, and at which the clock is read next: not before the first [`Self::spend`], as there must be a part to
+    /// estimate.
     work: u64,
     next_reading: u64,
     clock: Clock,
@@ -60,7 +61,7 @@ impl Meter {
                 (u32::MAX, Clock::Wall(std::time::Instant::now()), nanoseconds(most - most / RESERVE))
             }
         };
-        Self { left, visits: 0, work: 0, next_reading: u64::from(Self::LENS), clock, end }
+        Self { left, visits: 0, work: 0, next_reading: u64::MAX, clock, end }
     }
 
     /// For tests: time is what [`Self::work`] counts.

@@ -93,7 +93,7 @@ impl Search<'_, '_> {
         nodes_a.index[0] = 0;
         nodes_a.len = 1;
         copy_nodes(self.query, levels.0, nodes_a, children_a);
-        // Less work than is done between two readings of the clock.
+        // The clock is not yet read.
         self.test_children(simd, levels, 0..1);
         self.workspace.frontier.accept();
         // Two single spheres are resolved by this.

@@ -234,10 +234,10 @@ fn check_time(a: &InnerSphereTree, b: &InnerSphereTree, pose: &Pose3, most_late:
     assert!(all.done() >= u64::from(full.expected.pairs / 8 + full.visits / 8));
     let mut last = OverlapEstimate { upper: f32::INFINITY, ..OverlapEstimate::default() };
     for i in 0..200 {
-        let time = all.done() * i / 199 * 21 / 20;
+        let time = all.done() * i / 199 * 6 / 5;
         let mut meter = Meter::of_work(core::time::Duration::from_nanos(time));
         let result = a.overlap_metered(b, pose, &mut meter, &mut workspace);
-        let late = meter.done().saturating_sub(time - time / 20);
+        let late = meter.done().saturating_sub(time - time / u64::from(budget::RESERVE));
         assert!(late <= most_late, "{late} units after the time, {time} of {} in all", all.done());
         assert!(result.lower <= full.expected.volume && full.expected.volume <= result.upper);
         assert!(result.lower >= last.lower && result.upper <= last.upper);
