@@ -131,7 +131,9 @@ fn descend_alone<S: Simd>(
     spare.len = 0;
     list.len = 0;
     let root = a.block(simd, a.data.height(), 0);
-    root.append_where(simd, root.touches(ball), list);
+    let mut tail = list.tail();
+    root.append_where(simd, root.touches(ball), &mut tail);
+    list.len = tail.len;
     for level in (down_to..a.data.height()).rev() {
         core::mem::swap(spare, list);
         list.len = 0;
@@ -156,11 +158,13 @@ impl Skinned<'_> {
 /// Appends to `kept` the balls of `list` that meet `ball`.
 #[inline(always)]
 pub(super) fn keep_touching<S: Simd>(simd: S, list: &Candidates, ball: &Ball<S>, kept: &mut Candidates) {
+    let mut tail = kept.tail();
     for first in (0..list.len).step_by(WIDTH) {
         let block = BlockLanes::of(simd, list, first);
         let mask = block.touches(ball) & live_lanes(simd, list.len, first);
-        block.append_where(simd, mask, kept);
+        block.append_where(simd, mask, &mut tail);
     }
+    kept.len = tail.len;
 }
 
 /// The lists of two levels, the second just below the first.
@@ -174,11 +178,13 @@ fn lists(children: &mut [Candidates], [level, below]: [usize; 2]) -> [&mut Candi
 /// are is not needed any more.
 #[inline(always)]
 fn number_touching<S: Simd>(simd: S, list: &Candidates, ball: &Ball<S>, kept: &mut Candidates) {
+    let mut tail = kept.tail();
     for first in (0..list.len).step_by(WIDTH) {
         let block = BlockLanes::of(simd, list, first);
         let mask = block.touches(ball) & live_lanes(simd, list.len, first);
-        block.append_index_where(simd, mask, kept);
+        block.append_index_where(simd, mask, &mut tail);
     }
+    kept.len = tail.len;
 }
 
 /// Appends to `kept` the balls on `level` of A below `parents` that meet `ball`.
@@ -190,11 +196,13 @@ pub(super) fn expand<S: Simd>(
     ball: &Ball<S>,
     kept: &mut Candidates,
 ) {
+    let mut tail = kept.tail();
     for parent in parents {
         let block = a.block(simd, level, *parent as usize);
         let mask = block.touches(ball);
         if mask.any_true() {
-            block.append_where(simd, mask, kept);
+            block.append_where(simd, mask, &mut tail);
         }
     }
+    kept.len = tail.len;
 }

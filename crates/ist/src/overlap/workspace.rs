@@ -43,6 +43,18 @@ pub(super) struct Candidates {
     pub(super) len: usize,
 }
 
+/// Where balls are appended to a list. Its parts are borrowed one by one: were they reached through the list, every store of a
+/// number might be one to where the length or an array is, and both would be read again for the next.
+pub(super) struct Tail<'a> {
+    pub(super) x: &'a mut [f32],
+    pub(super) y: &'a mut [f32],
+    pub(super) z: &'a mut [f32],
+    pub(super) radius: &'a mut [f32],
+    pub(super) index: &'a mut [u32],
+    /// That of the list, which has to be told afterwards.
+    pub(super) len: usize,
+}
+
 /// Up to eight siblings of B, transformed into A's frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Siblings {
@@ -85,6 +97,20 @@ impl OverlapWorkspace {
 impl Candidates {
     pub(super) fn clear(&mut self) {
         self.len = 0;
+    }
+
+    /// Where to append; [`Self::len`] is to be set to that of the tail afterwards.
+    #[inline(always)]
+    pub(super) fn tail(&mut self) -> Tail<'_> {
+        let room = self.x.len();
+        Tail {
+            x: &mut self.x,
+            y: &mut self.y[..room],
+            z: &mut self.z[..room],
+            radius: &mut self.radius[..room],
+            index: &mut self.index[..room],
+            len: self.len,
+        }
     }
 
     /// Those of the balls in the list.
