@@ -70,11 +70,11 @@ pub(super) fn for_each_block<S: Simd>(
     visitor: &mut impl BlockVisitor,
 ) {
     scratch.fit(a, b);
-    let TraversalScratch { near, children, blocks } = scratch;
+    let TraversalScratch { near, spare, children, blocks } = scratch;
     let top = b.height();
     let root = pose.place(simd, &b.root().blocks[0]);
     let a = Skinned { data: a, skin: pose.skin_a };
-    descend_alone(simd, (a, top), &Ball::of(simd, &root, 0), near, &mut children[top]);
+    descend_alone(simd, (a, top), &Ball::of(simd, &root, 0), spare, &mut children[top]);
     if top == 0 {
         if children[0].len > 0 {
             visitor.visit(simd, 0, &children[0]);

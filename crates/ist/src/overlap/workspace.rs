@@ -24,8 +24,10 @@ pub struct OverlapWorkspace {
 /// Scratch memory of a walk over two trees.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TraversalScratch {
-    /// Balls of A that meet the current ball of B: their numbers only, but for those that the walk begins with.
+    /// Numbers of the balls of A that meet the current ball of B.
     pub(super) near: Candidates,
+    /// Takes turns with the list of B's root while A is descended alone: as large as that.
+    pub(super) spare: Candidates,
     /// Per level of B's tree: children of the level above's `near` that meet the ball above.
     pub(super) children: Vec<Candidates>,
     /// Per level of B's tree: the current block of B in A's frame.
@@ -80,6 +82,9 @@ impl TraversalScratch {
             let most = a.levels[level.min(a.height())].blocks.len() * WIDTH;
             self.near.fit(most);
             self.children[level].fit(most);
+            if level + 1 == levels {
+                self.spare.fit(most);
+            }
         }
     }
 }
