@@ -71,8 +71,7 @@ fn run(arguments: &Arguments) -> Result<()> {
     budgets.dedup();
 
     let ticks = simulate(&a, &b, &budgets, arguments);
-    let mut summary = Summary::new(&a, &b, &budgets, &ticks);
-    summary.idle_overruns = budgets.iter().map(|us| idle_overruns(*us)).collect();
+    let summary = Summary::new(&a, &b, &budgets, &ticks);
     summary.print();
     if let Some(path) = &arguments.summary {
         write_whole(path, serde_json::to_string_pretty(&summary)?.as_bytes())?;
@@ -119,7 +118,14 @@ struct Tick {
     phase: usize,
     full: Measurement,
     /// In the order of the budgets.
-    within: Vec<Measurement>,
+    within: Vec<Within>,
+}
+
+/// A query within a budget.
+struct Within {
+    query: Measurement,
+    /// Just before it, a loop that reads the clock until the budget has passed: what the machine does to any program.
+    clock: Measurement,
 }
 
 fn simulate(a: &InnerSphereTree, b: &InnerSphereTree, budgets: &[u64], arguments: &Arguments) -> Vec<Tick> {
@@ -146,35 +152,23 @@ fn simulate(a: &InnerSphereTree, b: &InnerSphereTree, budgets: &[u64], arguments
         let pose = pose(a, b, tick as f64 / count as f64);
         let full = measure(&waiting, || (a.overlap(b, &pose, &mut workspace), 0.0));
         let within = budgets.iter().map(|us| {
-            let budget = Budget::Time(Duration::from_micros(*us));
-            measure(&waiting, || {
-                let result = a.overlap_within(b, &pose, budget, &mut critical);
+            let time = Duration::from_micros(*us);
+            let clock = measure(&waiting, || {
+                let start = Instant::now();
+                while start.elapsed() < time {}
+                (Overlap::default(), 0.0)
+            });
+            let query = measure(&waiting, || {
+                let result = a.overlap_within(b, &pose, Budget::Time(time), &mut critical);
                 (result.expected, f64::from(result.upper) - f64::from(result.lower))
-            })
+            });
+            Within { query, clock }
         });
         let share = f64::from(full.overlap.volume) / smaller;
         let phase = PHASES.iter().position(|(_, most)| share <= *most).unwrap_or(PHASES.len() - 1);
         ticks.push(Tick { phase, full, within: within.collect() });
     }
     ticks
-}
-
-/// How often a loop that reads the clock until `us` have passed ends more than 20 % later.
-fn idle_overruns(us: u64) -> [f64; 2] {
-    const LOOPS: usize = 5000;
-    let (waiting, budget) = (Waiting::of_this_thread(), Duration::from_micros(us));
-    let late = TOLERANCE * us as f64;
-    let mut overruns = [0; 2];
-    for _ in 0..LOOPS {
-        let idle = measure(&waiting, || {
-            let start = Instant::now();
-            while start.elapsed() < budget {}
-            (Overlap::default(), 0.0)
-        });
-        overruns[0] += usize::from(idle.wall > late);
-        overruns[1] += usize::from(idle.wall - idle.waited > late);
-    }
-    overruns.map(|count| count as f64 / LOOPS as f64)
 }
 
 /// Sleeps until shortly before `time`, then spins.
@@ -205,9 +199,18 @@ struct Summary {
     /// Of every query the change of the force from one tick to the next relative to the median force: 99th percentile and
     /// greatest. A query within a budget that is interrupted early knows little.
     jumps: Vec<[f64; 2]>,
-    /// For each budget the share of loops that overran it by more than 20 % although they only read the clock: what
-    /// the machine does to any program. By wall time and on the processor.
-    idle_overruns: Vec<[f64; 2]>,
+    /// Of every budget, over all phases in which the solids overlap.
+    overruns: Vec<Overruns>,
+}
+
+/// How many queries took more than 1.2 times their budget, and how many loops that only read the clock until it had passed.
+#[derive(Serialize)]
+struct Overruns {
+    budget_us: u64,
+    queries: usize,
+    /// By wall time and on the processor.
+    of_queries: [usize; 2],
+    of_clock: [usize; 2],
 }
 
 /// One query in one phase.
@@ -223,6 +226,8 @@ struct Row {
     processor_us: [f64; 4],
     /// Share of the queries that took more than 1.2 times their budget, by wall time and on the processor.
     overruns: [f64; 2],
+    /// The same of loops that only read the clock until the budget has passed, each just before one of the queries.
+    clock_overruns: [f64; 2],
     /// Error of the expected volume relative to the full query's: median and 95th percentile.
     volume_error: [f64; 2],
     /// Width of the interval relative to the volume: median.
@@ -239,7 +244,7 @@ impl Summary {
                 continue;
             }
             for query in &queries {
-                rows.push(Row::new(name, query.map(|i| budgets[i]), &of_phase, |tick| tick.query(*query)));
+                rows.push(Row::new(name, query.map(|i| (i, budgets[i])), &of_phase));
             }
         }
         let jumps = queries.iter().map(|query| jumps(ticks, |tick| tick.query(*query)));
@@ -248,17 +253,17 @@ impl Summary {
             ticks: ticks.len(),
             rows,
             jumps: jumps.collect(),
-            idle_overruns: Vec::new(),
+            overruns: budgets.iter().enumerate().map(|(i, us)| Overruns::new(i, *us, ticks)).collect(),
         }
     }
 
     fn print(&self) {
         println!("{} and {} spheres, {} ticks of 1 ms", self.spheres[0], self.spheres[1], self.ticks);
         println!(
-            "                   wall time, µs                    on the processor, µs             overrun > 20 %    volume error   interval"
+            "                   wall time, µs                    on the processor, µs             overrun > 20 %   of the clock      volume error   interval"
         );
         println!(
-            "phase    budget    median    p99   p99.9     max    median    p99   p99.9     max    wall  processor   median   p95   width"
+            "phase    budget    median    p99   p99.9     max    median    p99   p99.9     max    wall  processor   wall  processor   median   p95   width"
         );
         for row in &self.rows {
             let budget = row.budget_us.map_or("full".to_owned(), |us| us.to_string());
@@ -266,12 +271,14 @@ impl Summary {
                 |[median, p99, p999, max]: [f64; 4]| format!("{median:9.1} {p99:6.1} {p999:7.1} {max:7.1}");
             let percent = |share: f64| format!("{:.2} %", 100.0 * share);
             println!(
-                "{:8} {budget:>6} {} {} {:>9} {:>8} {:>9} {:>8} {:>8}",
+                "{:8} {budget:>6} {} {} {:>9} {:>8} {:>8} {:>8} {:>9} {:>8} {:>8}",
                 row.phase,
                 times(row.wall_us),
                 times(row.processor_us),
                 percent(row.overruns[0]),
                 percent(row.overruns[1]),
+                percent(row.clock_overruns[0]),
+                percent(row.clock_overruns[1]),
                 percent(row.volume_error[0]),
                 percent(row.volume_error[1]),
                 format!("{:.2}", row.interval_width),
@@ -282,54 +289,88 @@ impl Summary {
             "change of the force in a tick, in median forces, p99 / max: {} (full, then by budget)",
             jumps.join(", ")
         );
-        let idle = |[wall, processor]: &[f64; 2]| format!("{:.2} / {:.2} %", 100.0 * wall, 100.0 * processor);
-        let idle: Vec<String> = self.idle_overruns.iter().map(idle).collect();
-        println!(
-            "overruns of a loop that only reads the clock, wall time / on the processor: {} (by budget)",
-            idle.join(", ")
-        );
+        for overruns in &self.overruns {
+            println!(
+                "{} µs: of {} queries {} / {} overran on the wall / on the processor, of as many loops that only read the clock {} / {}",
+                overruns.budget_us,
+                overruns.queries,
+                overruns.of_queries[0],
+                overruns.of_queries[1],
+                overruns.of_clock[0],
+                overruns.of_clock[1],
+            );
+        }
+    }
+}
+
+impl Overruns {
+    /// Of the budget of this number, which is `us`.
+    fn new(number: usize, us: u64, ticks: &[Tick]) -> Self {
+        let overlapping: Vec<&Within> =
+            ticks.iter().filter(|tick| tick.phase > 0).map(|tick| &tick.within[number]).collect();
+        let count = |measurement: fn(&Within) -> &Measurement, time: fn(&Measurement) -> f64| {
+            overlapping.iter().filter(|within| is_late(time(measurement(within)), us)).count()
+        };
+        Self {
+            budget_us: us,
+            queries: overlapping.len(),
+            of_queries: [count(|w| &w.query, |m| m.wall), count(|w| &w.query, Measurement::on_processor)],
+            of_clock: [count(|w| &w.clock, |m| m.wall), count(|w| &w.clock, Measurement::on_processor)],
+        }
+    }
+}
+
+/// Whether so many microseconds overrun a budget.
+fn is_late(time: f64, budget_us: u64) -> bool {
+    time > TOLERANCE * budget_us as f64
+}
+
+impl Measurement {
+    /// Wall time without waiting (µs).
+    fn on_processor(&self) -> f64 {
+        self.wall - self.waited
     }
 }
 
 impl Tick {
     /// The query within the budget of this number, or the full query.
     fn query(&self, number: Option<usize>) -> &Measurement {
-        number.map_or(&self.full, |i| &self.within[i])
+        number.map_or(&self.full, |i| &self.within[i].query)
     }
 }
 
 impl Row {
-    fn new(
-        phase: &'static str,
-        budget_us: Option<u64>,
-        ticks: &[&Tick],
-        query: impl Fn(&Tick) -> &Measurement,
-    ) -> Self {
+    fn new(phase: &'static str, budget: Option<(usize, u64)>, ticks: &[&Tick]) -> Self {
+        let number = budget.map(|(number, _)| number);
         let collect =
             |value: &dyn Fn(&Tick) -> f64| -> Vec<f64> { ticks.iter().map(|tick| value(tick)).collect() };
-        let wall = collect(&|tick| query(tick).wall);
-        let processor = collect(&|tick| query(tick).wall - query(tick).waited);
+        let wall = collect(&|tick| tick.query(number).wall);
+        let processor = collect(&|tick| tick.query(number).on_processor());
         let relative = |tick: &Tick, value: f64| value / f64::from(tick.full.overlap.volume).max(1e-300);
         let error = collect(&|tick| {
-            relative(tick, f64::from(query(tick).overlap.volume - tick.full.overlap.volume).abs())
+            relative(tick, f64::from(tick.query(number).overlap.volume - tick.full.overlap.volume).abs())
         });
         let apart = ticks.iter().all(|tick| tick.full.overlap.volume == 0.0);
         let if_overlapping = |value: f64| if apart { 0.0 } else { value };
         let times = |values: &[f64]| [0.5, 0.99, 0.999, 1.0].map(|share| percentile(values, share));
         let overruns = |values: &[f64]| {
-            let late = |us: u64| values.iter().filter(|value| **value > TOLERANCE * us as f64).count();
-            budget_us.map_or(0.0, |us| late(us) as f64 / values.len() as f64)
+            let late = |us: u64| values.iter().filter(|value| is_late(**value, us)).count();
+            budget.map_or(0.0, |(_, us)| late(us) as f64 / values.len() as f64)
+        };
+        let clock = |time: fn(&Measurement) -> f64| {
+            budget.map_or(0.0, |(number, _)| overruns(&collect(&|tick| time(&tick.within[number].clock))))
         };
         Self {
             phase,
-            budget_us,
+            budget_us: budget.map(|(_, us)| us),
             ticks: ticks.len(),
             wall_us: times(&wall),
             processor_us: times(&processor),
             overruns: [overruns(&wall), overruns(&processor)],
+            clock_overruns: [clock(|m| m.wall), clock(Measurement::on_processor)],
             volume_error: [0.5, 0.95].map(|share| if_overlapping(percentile(&error, share))),
             interval_width: if_overlapping(percentile(
-                &collect(&|tick| relative(tick, query(tick).width)),
+                &collect(&|tick| relative(tick, tick.query(number).width)),
                 0.5,
             )),
         }

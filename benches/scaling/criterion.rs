@@ -1,6 +1,6 @@
 //! Criterion's report of the queries that most users have, on one thread.
 
-use crate::ANGLES;
+use crate::TURNS;
 use crate::measure::{overlap, poses};
 use crate::solids::Row;
 use criterion::{BenchmarkId, Criterion, Throughput};
@@ -23,7 +23,7 @@ pub(crate) fn run(row: &Row) -> Result<(), Box<dyn Error>> {
     let mut workspace = OverlapWorkspace::default();
     for case in row.cases.iter().filter(|case| COUNTS.contains(&case.tree.len())) {
         let spheres = case.tree.len();
-        let poses = poses(case, ANGLES[1]);
+        let poses = poses(case, TURNS[2].angle(case));
         group.throughput(Throughput::Elements(2 * spheres as u64));
         for engine in [Engine::Grid, Engine::Tree] {
             let id = BenchmarkId::new(format!("{engine:?}"), spheres);

@@ -14,6 +14,7 @@ mod measure;
 mod plot;
 mod solids;
 mod table;
+mod turn;
 
 use arguments::Arguments;
 use measure::{Measurement, Pools};
@@ -21,13 +22,14 @@ use solids::Row;
 use stats_alloc::{INSTRUMENTED_SYSTEM, StatsAlloc};
 use std::alloc::System;
 use std::error::Error;
+use turn::Turn;
 
 /// Counts bytes, so that the memory of trees and grids is what they ask for and not what they say of themselves.
 #[global_allocator]
 static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
-/// Angles between the two solids (rad): nearly coincident, and as any two solids lie.
-const ANGLES: [f32; 2] = [0.01, 0.3];
+/// How the two solids lie: nearly coincident, nearly coincident in the measure of their spheres, and as any two do.
+const TURNS: [Turn; 3] = [Turn::Angle(0.01), Turn::Radii(0.2), Turn::Angle(0.3)];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments = Arguments::parse()?;
@@ -44,11 +46,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let pools = Pools::new()?;
     let mut drawn = Vec::new();
     for row in &rows {
-        for angle in ANGLES {
-            let measurements = measure::measure(row, angle, &pools)?;
-            table::print(row, angle, &measurements);
-            // One plot is enough: the other angle differs by a factor.
-            if angle == ANGLES[1] {
+        for turn in TURNS {
+            let measurements = measure::measure(row, turn, &pools)?;
+            table::print(row, turn, &measurements);
+            // One plot is enough: the others differ by a factor.
+            if turn == TURNS[2] {
                 drawn.push((row, measurements));
             }
         }

@@ -6,6 +6,7 @@
 //! mean over the poses.
 
 use crate::solids::{Case, Row};
+use crate::turn::Turn;
 use glam::Vec3;
 use glamx::{Pose3, Rot3};
 use ist::{Engine, Overlap, OverlapQuery, OverlapWorkspace};
@@ -49,12 +50,12 @@ impl Pools {
     }
 }
 
-/// All solids of `row` against themselves, turned by `angle` (rad).
-pub(crate) fn measure(row: &Row, angle: f32, pools: &Pools) -> Result<Vec<Measurement>, Box<dyn Error>> {
+/// All solids of `row` against themselves, turned by `turn`.
+pub(crate) fn measure(row: &Row, turn: Turn, pools: &Pools) -> Result<Vec<Measurement>, Box<dyn Error>> {
     let mut workspace = OverlapWorkspace::default();
     let mut runs = Vec::new();
     for case in &row.cases {
-        runs.push(Run::new(case, angle, pools, &mut workspace)?);
+        runs.push(Run::new(case, turn, pools, &mut workspace)?);
     }
     for _ in 0..ROUNDS {
         for run in &mut runs {
@@ -79,11 +80,11 @@ impl<'a> Run<'a> {
     /// Looks whether all ways agree, and takes the first times.
     fn new(
         case: &'a Case,
-        angle: f32,
+        turn: Turn,
         pools: &Pools,
         workspace: &mut OverlapWorkspace,
     ) -> Result<Self, Box<dyn Error>> {
-        let poses = poses(case, angle);
+        let poses = poses(case, turn.angle(case));
         let (mut pairs, mut times) = (0.0, [Times::default(); 3]);
         for pose in &poses {
             let mut ask = |(engine, pool): (Engine, &ThreadPool)| {

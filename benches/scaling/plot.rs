@@ -2,7 +2,7 @@
 
 use crate::solids::Row;
 use crate::table::{exponent, grouped};
-use crate::{ANGLES, Measurement};
+use crate::{Measurement, TURNS};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use std::error::Error;
@@ -38,7 +38,7 @@ pub(crate) fn draw(path: &Path, rows: &[(&Row, Vec<Measurement>)]) -> Result<(),
 
 fn draw_row(panel: &Panel, row: &Row, measurements: &[Measurement]) -> Result<(), Box<dyn Error>> {
     let mut chart = ChartBuilder::on(panel)
-        .caption(format!("A {} in itself, turned by {} rad", row.name, ANGLES[1]), (FONT, 18))
+        .caption(format!("A {}, {}", row.name, TURNS[2]), (FONT, 18))
         .margin(12)
         .margin_right(24)
         .x_label_area_size(46)

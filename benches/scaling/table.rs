@@ -2,10 +2,11 @@
 
 use crate::Measurement;
 use crate::solids::Row;
+use crate::turn::Turn;
 
 /// A table, and what it comes to.
-pub(crate) fn print(row: &Row, angle: f32, measurements: &[Measurement]) {
-    println!("\n{}, turned by {angle} rad against itself\n", row.name);
+pub(crate) fn print(row: &Row, turn: Turn, measurements: &[Measurement]) {
+    println!("\n{}, {turn}\n", row.name);
     println!(
         "| spheres | grid, 1 thread | grid, 2 threads | ratio | per sphere | tree | pairs per sphere | levels | bytes per sphere, tree + grid |"
     );

@@ -149,14 +149,16 @@ impl BlockVisitor for ListMaker<'_> {
         let start = list.len;
         list.make_room(near.len);
         let leaves = self.pose.place(simd, &self.b.levels[0].blocks[block]);
+        let mut tail = list.tail();
         for first in (0..near.len).step_by(WIDTH) {
             let lanes = BlockLanes::of(simd, near, first);
             let mut met = lanes.touches(&Ball::of(simd, &leaves, 0));
             for lane in 1..WIDTH {
                 met |= lanes.touches(&Ball::of(simd, &leaves, lane));
             }
-            lanes.append_where(simd, met & live_lanes(simd, near.len, first), list);
+            lanes.append_where(simd, met & live_lanes(simd, near.len, first), &mut tail);
         }
+        list.len = tail.len;
         if list.len > start {
             blocks.push((block as u32, start as u32));
         }

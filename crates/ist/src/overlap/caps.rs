@@ -8,7 +8,7 @@
 //! the surface. q = c − dn, and (ω × n)·n = 0, so c does as well as q for the torque, as does any point of the line.
 
 use super::cap::Cap;
-use super::totals::{Totals, WrenchSum};
+use super::totals::Totals;
 use super::{ContactSample, DeepestPair, ForceLaw, Overlap};
 use crate::InnerSphereTree;
 use crate::tree::WIDTH;
@@ -53,10 +53,9 @@ impl InnerSphereTree {
             return Overlap::default();
         }
         let outward = normal / length;
-        let (mut totals, deepest) =
-            self.cap_totals(|point| SurfaceDistance { distance: outward.dot(point) - offset, outward });
         // Only B says where out is: the way out of A is no way out of a half-space.
-        totals.normals_a = WrenchSum::default();
+        let (totals, deepest) =
+            self.cap_totals(|point| SurfaceDistance { distance: outward.dot(point) - offset, outward }, 0.0);
         Overlap { deepest, ..Overlap::from_totals(&totals, ForceLaw::Blended, 1.0) }
     }
 
@@ -72,7 +71,7 @@ impl InnerSphereTree {
     /// a small constant. Allocates nothing. Returns [`Overlap::default`] where nothing overlaps.
     #[must_use]
     pub fn overlap_with_surface(&self, surface: impl FnMut(Vec3) -> SurfaceDistance) -> Overlap {
-        let (totals, deepest) = self.cap_totals(surface);
+        let (totals, deepest) = self.cap_totals(surface, 1.0);
         Overlap { deepest, ..Overlap::from_totals(&totals, ForceLaw::Blended, 1.0) }
     }
 
@@ -96,8 +95,13 @@ impl InnerSphereTree {
         });
     }
 
-    /// Sums over all balls that B cuts, at the tree's scale, and the one that is cut deepest.
-    fn cap_totals(&self, mut surface: impl FnMut(Vec3) -> SurfaceDistance) -> (Totals, Option<DeepestPair>) {
+    /// Sums over all balls that B cuts, at the tree's scale, and the one that is cut deepest. `share` is the part of A's own
+    /// outward normals that counts.
+    fn cap_totals(
+        &self,
+        mut surface: impl FnMut(Vec3) -> SurfaceDistance,
+        share: f64,
+    ) -> (Totals, Option<DeepestPair>) {
         let (mut totals, mut deepest) = (Totals::default(), None);
         let mut greatest = 0.0;
         self.for_each_cut_ball(&mut surface, |surface, ball| {
@@ -109,8 +113,7 @@ impl InnerSphereTree {
             totals.moment += cap.volume * point;
             totals.gradient.add_force(outward * -cap.base, center);
             let own = self.data().normals[ball.index].as_dvec3();
-            totals.normals_a.add_force(own * cap.volume, point);
-            totals.normals_b.add_force(outward * cap.volume, point);
+            totals.outward.add_force((own * share - outward) * cap.volume, point);
             if cap.height > greatest {
                 greatest = cap.height;
                 let spheres = [self.packing_index(ball.index), 0];

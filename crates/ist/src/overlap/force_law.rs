@@ -42,24 +42,16 @@ impl ForceLaw {
     pub(super) fn wrench(self, totals: &Totals) -> WrenchSum {
         match self {
             Self::VolumeGradient => totals.gradient,
-            Self::OutwardNormals => outward(totals),
+            Self::OutwardNormals => totals.outward,
             Self::Blended => blended(totals),
         }
-    }
-}
-
-/// Both bodies' outward normals, as one body's hydroelastic field would give.
-fn outward(totals: &Totals) -> WrenchSum {
-    WrenchSum {
-        force: totals.normals_a.force - totals.normals_b.force,
-        torque: totals.normals_a.torque - totals.normals_b.torque,
     }
 }
 
 fn blended(totals: &Totals) -> WrenchSum {
     let weight = gradient_weight(totals.gradient.force.length(), totals.volume);
     let along_gradient = scaled(&totals.gradient, totals.volume * weight);
-    let along_normals = scaled(&outward(totals), totals.volume * (1.0 - weight));
+    let along_normals = scaled(&totals.outward, totals.volume * (1.0 - weight));
     WrenchSum {
         force: along_gradient.force + along_normals.force,
         torque: along_gradient.torque + along_normals.torque,

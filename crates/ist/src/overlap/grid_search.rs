@@ -135,11 +135,13 @@ impl<'a> GridPair<'a> {
             for group in &*neighbours {
                 near_group.fit(near.len);
                 let bounds = BoxLanes::new(simd, &group.bounds);
+                let mut tail = near_group.tail();
                 for first in (0..near.len).step_by(WIDTH) {
                     let block = BlockLanes::of(simd, near, first);
                     let mask = bounds.touched_by(&block) & live_lanes(simd, near.len, first);
-                    block.append_where(simd, mask, near_group);
+                    block.append_where(simd, mask, &mut tail);
                 }
+                near_group.len = tail.len;
                 let index = core::array::from_fn(|lane| (group.first + lane) as u32);
                 let lanes = Lanes { balls: &group.balls, index, count: group.count, of_a: task.of_a };
                 pairs.append(simd, (near_group, 0..near_group.len), &lanes, (&[], sink));
@@ -212,12 +214,14 @@ impl<'a> GridPair<'a> {
         let entries = if of_a { &self.b.entries } else { &self.a.entries };
         for cell in cells {
             near.make_room(cell.len());
+            let mut tail = near.tail();
             for first in (cell.start as usize..cell.end as usize).step_by(WIDTH) {
                 let balls = self.block(simd, entries, first, !of_a);
                 let block = BlockLanes::new(simd, &balls, 0.0, first);
                 let mask = lanes.touched_by(&block) & live_lanes(simd, cell.end as usize, first);
-                block.append_where(simd, mask, near);
+                block.append_where(simd, mask, &mut tail);
             }
+            near.len = tail.len;
         }
     }
 

@@ -3,7 +3,7 @@
 //! Here and wherever vectors are computed with: no vector passes through a closure. The compiler may make a function of it,
 //! without the instruction set that was chosen, and then every operation on the vector is a call.
 
-use super::workspace::Candidates;
+use super::workspace::{Candidates, Tail};
 use crate::tree::{BallBlock, WIDTH};
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
 
@@ -70,13 +70,19 @@ impl<S: Simd> BlockLanes<S> {
     }
 
     #[inline(always)]
-    pub(super) fn append_where(&self, simd: S, mask: mask32x8<S>, list: &mut Candidates) {
+    pub(super) fn append_where(&self, simd: S, mask: mask32x8<S>, list: &mut Tail) {
         let at = list.len..list.len + WIDTH;
         simd.compress_f32x8(self.x, mask).store_slice(&mut list.x[at.clone()]);
         simd.compress_f32x8(self.y, mask).store_slice(&mut list.y[at.clone()]);
         simd.compress_f32x8(self.z, mask).store_slice(&mut list.z[at.clone()]);
-        simd.compress_f32x8(self.radius, mask).store_slice(&mut list.radius[at.clone()]);
-        simd.compress_u32x8(self.index, mask).store_slice(&mut list.index[at]);
+        simd.compress_f32x8(self.radius, mask).store_slice(&mut list.radius[at]);
+        self.append_index_where(simd, mask, list);
+    }
+
+    /// Appends the numbers of the balls in `mask`, and not where they are.
+    #[inline(always)]
+    pub(super) fn append_index_where(&self, simd: S, mask: mask32x8<S>, list: &mut Tail) {
+        simd.compress_u32x8(self.index, mask).store_slice(&mut list.index[list.len..list.len + WIDTH]);
         list.len += mask.to_bitmask().count_ones() as usize;
     }
 }

@@ -88,13 +88,16 @@ impl PairBuffer {
             }
             let (listed, paired) =
                 if lanes.of_a { (&mut self.b, &mut self.a) } else { (&mut self.a, &mut self.b) };
+            // Not in memory: every test needs the length that the one before it has made.
+            let mut len = self.len;
             for lane in 0..lanes.count {
                 let mask = block.touches(&Ball::of(simd, lanes.balls, lane)) & live;
-                let at = self.len..self.len + WIDTH;
+                let at = len..len + WIDTH;
                 simd.compress_u32x8(block.index, mask).store_slice(&mut listed[at.clone()]);
                 u32x8::splat(simd, lanes.index[lane]).store_slice(&mut paired[at]);
-                self.len += mask.to_bitmask().count_ones() as usize;
+                len += mask.to_bitmask().count_ones() as usize;
             }
+            self.len = len;
         }
     }
 

@@ -86,8 +86,8 @@ impl LensCloud<'_> {
         totals.moment += volume * point;
         // All points of the axis are as good for the torque, and the centroid is one.
         totals.gradient.add_force(lens.axis.as_dvec3() * f64::from(lens.area), point);
-        totals.normals_a.add_force(a.normals[lens.spheres[0] as usize].as_dvec3() * volume, point);
-        totals.normals_b.add_force(normal_b.as_dvec3() * volume, point);
+        let outward = a.normals[lens.spheres[0] as usize] - normal_b;
+        totals.outward.add_force(outward.as_dvec3() * volume, point);
         sums.area += f64::from(lens.area);
         let (lower, upper) = self.bounds(lens);
         sums.bounds = (sums.bounds.0.min(lower), sums.bounds.1.max(upper));

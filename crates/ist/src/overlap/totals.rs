@@ -26,10 +26,8 @@ pub(super) struct Totals {
     pub(super) moment: DVec3,
     /// Σ A n with the centre-line normals n from A to B: minus the gradient of the volume.
     pub(super) gradient: WrenchSum,
-    /// Σ V n with the stored outward normals of A's spheres.
-    pub(super) normals_a: WrenchSum,
-    /// Σ V n with the stored outward normals of B's spheres.
-    pub(super) normals_b: WrenchSum,
+    /// Σ V (n_A − n_B) with the stored outward normals of both spheres, as one body's hydroelastic field would give.
+    pub(super) outward: WrenchSum,
     pub(super) stiffness: StiffnessSum,
     /// Greatest depth of a pair, and a pair that has it, by positions in the trees' orders.
     pub(super) deepest: Deepest,
@@ -126,7 +124,7 @@ impl<const STIFFNESS: bool> TotalsSink<'_, STIFFNESS> {
     pub(super) fn add<S: Simd>(&mut self, simd: S, count: usize, pairs: &impl PairSource) {
         let (mut volume, mut moment) = (f32x8::splat(simd, 0.0), Lanes3::zero(simd));
         let mut gradient = WrenchLanes::zero(simd);
-        let (mut normals_a, mut normals_b) = (gradient, gradient);
+        let mut outward = gradient;
         let mut stiffness = StiffnessLanes::zero(simd);
         let mut deepest = (f32x8::splat(simd, 0.0), u32x8::splat(simd, 0));
         for first in (0..count).step_by(WIDTH) {
@@ -142,8 +140,7 @@ impl<const STIFFNESS: bool> TotalsSink<'_, STIFFNESS> {
             deepest.0 = deeper.select(lens.depth, deepest.0);
             deepest.1 = deeper.select(u32x8::splat(simd, first as u32), deepest.1);
             let (of_a, of_b) = pairs.normals(simd, first);
-            normals_a.add(of_a, lens.volume, lens.moment);
-            normals_b.add(of_b.rotate(&self.pose.rotation), lens.volume, lens.moment);
+            outward.add(of_a.minus(of_b.rotate(&self.pose.rotation)), lens.volume, lens.moment);
         }
         let meet = self.totals.inner_balls_meet || self.inner_balls_meet(count, pairs);
         let totals = &mut self.totals;
@@ -155,8 +152,7 @@ impl<const STIFFNESS: bool> TotalsSink<'_, STIFFNESS> {
             stiffness.add_to(&mut totals.stiffness);
         }
         totals.deepest.raise(deepest.0.to_array(), deepest.1.to_array(), pairs);
-        normals_a.add_to(&mut totals.normals_a);
-        normals_b.add_to(&mut totals.normals_b);
+        outward.add_to(&mut totals.outward);
         totals.inner_balls_meet = meet;
     }
 }
@@ -168,8 +164,7 @@ impl Totals {
         self.volume += other.volume;
         self.moment += other.moment;
         self.gradient.add(&other.gradient);
-        self.normals_a.add(&other.normals_a);
-        self.normals_b.add(&other.normals_b);
+        self.outward.add(&other.outward);
         self.stiffness.add(&other.stiffness);
         if other.deepest.depth > self.deepest.depth {
             self.deepest = other.deepest;

@@ -70,11 +70,11 @@ pub(super) fn for_each_block<S: Simd>(
     visitor: &mut impl BlockVisitor,
 ) {
     scratch.fit(a, b);
-    let TraversalScratch { near, children, blocks } = scratch;
+    let TraversalScratch { near, spare, children, blocks } = scratch;
     let top = b.height();
     let root = pose.place(simd, &b.root().blocks[0]);
     let a = Skinned { data: a, skin: pose.skin_a };
-    descend_alone(simd, (a, top), &Ball::of(simd, &root, 0), &mut near[top], &mut children[top]);
+    descend_alone(simd, (a, top), &Ball::of(simd, &root, 0), spare, &mut children[top]);
     if top == 0 {
         if children[0].len > 0 {
             visitor.visit(simd, 0, &children[0]);
@@ -96,15 +96,16 @@ pub(super) fn for_each_block<S: Simd>(
         siblings.next += 1;
         let ball = Ball::of(simd, &siblings.balls, node % WIDTH);
         let below = level - 1;
-        near[level].len = 0;
-        keep_touching(simd, &children[level], &ball, &mut near[level]);
-        children[below].len = 0;
+        let [list, kept] = lists(children, [level, below]);
+        kept.len = 0;
         if below < a.data.height() {
-            expand(simd, a, (&near[level], below), &ball, &mut children[below]);
+            near.len = 0;
+            number_touching(simd, list, &ball, near);
+            expand(simd, a, (near.indices(), below), &ball, kept);
         } else {
-            keep_touching(simd, &near[level], &ball, &mut children[below]);
+            keep_touching(simd, list, &ball, kept);
         }
-        if children[below].len == 0 {
+        if kept.len == 0 {
             continue;
         }
         if below == 0 {
@@ -130,11 +131,13 @@ fn descend_alone<S: Simd>(
     spare.len = 0;
     list.len = 0;
     let root = a.block(simd, a.data.height(), 0);
-    root.append_where(simd, root.touches(ball), list);
+    let mut tail = list.tail();
+    root.append_where(simd, root.touches(ball), &mut tail);
+    list.len = tail.len;
     for level in (down_to..a.data.height()).rev() {
         core::mem::swap(spare, list);
         list.len = 0;
-        expand(simd, a, (spare, level), ball, list);
+        expand(simd, a, (spare.indices(), level), ball, list);
     }
 }
 
@@ -155,27 +158,51 @@ impl Skinned<'_> {
 /// Appends to `kept` the balls of `list` that meet `ball`.
 #[inline(always)]
 pub(super) fn keep_touching<S: Simd>(simd: S, list: &Candidates, ball: &Ball<S>, kept: &mut Candidates) {
+    let mut tail = kept.tail();
     for first in (0..list.len).step_by(WIDTH) {
         let block = BlockLanes::of(simd, list, first);
         let mask = block.touches(ball) & live_lanes(simd, list.len, first);
-        block.append_where(simd, mask, kept);
+        block.append_where(simd, mask, &mut tail);
     }
+    kept.len = tail.len;
 }
 
-/// Appends to `kept` the balls on `level` of A below those of `list` that meet `ball`.
+/// The lists of two levels, the second just below the first.
+#[inline(always)]
+fn lists(children: &mut [Candidates], [level, below]: [usize; 2]) -> [&mut Candidates; 2] {
+    let (lower, upper) = children.split_at_mut(level);
+    [&mut upper[0], &mut lower[below]]
+}
+
+/// Appends to `kept` the numbers of those balls of `list` that meet `ball`: their children are asked next, and where the balls
+/// are is not needed any more.
+#[inline(always)]
+fn number_touching<S: Simd>(simd: S, list: &Candidates, ball: &Ball<S>, kept: &mut Candidates) {
+    let mut tail = kept.tail();
+    for first in (0..list.len).step_by(WIDTH) {
+        let block = BlockLanes::of(simd, list, first);
+        let mask = block.touches(ball) & live_lanes(simd, list.len, first);
+        block.append_index_where(simd, mask, &mut tail);
+    }
+    kept.len = tail.len;
+}
+
+/// Appends to `kept` the balls on `level` of A below `parents` that meet `ball`.
 #[inline(always)]
 pub(super) fn expand<S: Simd>(
     simd: S,
     a: Skinned,
-    (list, level): (&Candidates, usize),
+    (parents, level): (&[u32], usize),
     ball: &Ball<S>,
     kept: &mut Candidates,
 ) {
-    for parent in &list.index[..list.len] {
+    let mut tail = kept.tail();
+    for parent in parents {
         let block = a.block(simd, level, *parent as usize);
         let mask = block.touches(ball);
         if mask.any_true() {
-            block.append_where(simd, mask, kept);
+            block.append_where(simd, mask, &mut tail);
         }
     }
+    kept.len = tail.len;
 }

@@ -24,8 +24,10 @@ pub struct OverlapWorkspace {
 /// Scratch memory of a walk over two trees.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TraversalScratch {
-    /// Per level of B's tree: balls of A that meet the current ball of B.
-    pub(super) near: Vec<Candidates>,
+    /// Numbers of the balls of A that meet the current ball of B.
+    pub(super) near: Candidates,
+    /// Takes turns with the list of B's root while A is descended alone: as large as that.
+    pub(super) spare: Candidates,
     /// Per level of B's tree: children of the level above's `near` that meet the ball above.
     pub(super) children: Vec<Candidates>,
     /// Per level of B's tree: the current block of B in A's frame.
@@ -40,6 +42,18 @@ pub(super) struct Candidates {
     pub(super) z: Vec<f32>,
     pub(super) radius: Vec<f32>,
     pub(super) index: Vec<u32>,
+    pub(super) len: usize,
+}
+
+/// Where balls are appended to a list. Its parts are borrowed one by one: were they reached through the list, every store of a
+/// number might be one to where the length or an array is, and both would be read again for the next.
+pub(super) struct Tail<'a> {
+    pub(super) x: &'a mut [f32],
+    pub(super) y: &'a mut [f32],
+    pub(super) z: &'a mut [f32],
+    pub(super) radius: &'a mut [f32],
+    pub(super) index: &'a mut [u32],
+    /// That of the list, which has to be told afterwards.
     pub(super) len: usize,
 }
 
@@ -60,15 +74,17 @@ impl TraversalScratch {
     /// Makes room for a walk over `a` and `b`.
     pub(super) fn fit(&mut self, a: &TreeData, b: &TreeData) {
         let levels = b.levels.len();
-        if self.near.len() < levels {
-            self.near.resize_with(levels, Candidates::default);
+        if self.children.len() < levels {
             self.children.resize_with(levels, Candidates::default);
             self.blocks.resize(levels, Siblings::NONE);
         }
         for level in 0..levels {
             let most = a.levels[level.min(a.height())].blocks.len() * WIDTH;
-            self.near[level].fit(most);
+            self.near.fit(most);
             self.children[level].fit(most);
+            if level + 1 == levels {
+                self.spare.fit(most);
+            }
         }
     }
 }
@@ -86,6 +102,25 @@ impl OverlapWorkspace {
 impl Candidates {
     pub(super) fn clear(&mut self) {
         self.len = 0;
+    }
+
+    /// Where to append; [`Self::len`] is to be set to that of the tail afterwards.
+    #[inline(always)]
+    pub(super) fn tail(&mut self) -> Tail<'_> {
+        let room = self.x.len();
+        Tail {
+            x: &mut self.x,
+            y: &mut self.y[..room],
+            z: &mut self.z[..room],
+            radius: &mut self.radius[..room],
+            index: &mut self.index[..room],
+            len: self.len,
+        }
+    }
+
+    /// Those of the balls in the list.
+    pub(super) fn indices(&self) -> &[u32] {
+        &self.index[..self.len]
     }
 
     /// Room for `more` balls behind those in the list, whatever their number was.

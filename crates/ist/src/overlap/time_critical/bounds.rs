@@ -14,6 +14,7 @@
 use super::super::lanes::{live_lanes, load};
 use super::super::lens_lanes::{Lanes3, LensLanes, PairLanes};
 use super::super::workspace::Candidates;
+use super::budget::Meter;
 use super::frontier::Frontier;
 use super::query::{NodeFigures, Query, leaves_below};
 use super::row::{Expected, Part, Row, Wrench};
@@ -30,6 +31,7 @@ pub(super) const ROW: usize = 32;
 pub(super) struct RowMaker<'q> {
     query: &'q Query<'q>,
     frontier: &'q mut Frontier,
+    pub(super) meter: &'q mut Meter,
     level_a: usize,
     level_b: usize,
 }
@@ -39,19 +41,25 @@ impl<'q> RowMaker<'q> {
     pub(super) fn new(
         query: &'q Query<'q>,
         frontier: &'q mut Frontier,
+        meter: &'q mut Meter,
         (level_a, level_b): (usize, usize),
     ) -> Self {
-        Self { query, frontier, level_a, level_b }
+        Self { query, frontier, meter, level_a, level_b }
     }
 
     /// Adds `node` of B, whose ball stands at `ball` (centre and radius) in A's frame, with the nodes of A in `near`, which is
-    /// padded up to whole blocks.
+    /// padded up to whole blocks. Whether there was time for it.
     #[inline(always)]
-    pub(super) fn add<S: Simd>(&mut self, simd: S, near: &Candidates, (node, ball): (usize, [f32; 4])) {
+    pub(super) fn add<S: Simd>(
+        &mut self,
+        simd: S,
+        near: &Candidates,
+        (node, ball): (usize, [f32; 4]),
+    ) -> bool {
         let figures = self.query.b.figures(self.level_b, node);
         for first in (0..near.len).step_by(ROW) {
             let range = first..near.len.min(first + ROW);
-            let part = self.part(simd, (near, range.clone()), ball, &figures);
+            let Some(part) = self.part(simd, (near, range.clone()), ball, &figures) else { return false };
             let row = Row {
                 ball,
                 node: node as u32,
@@ -63,17 +71,18 @@ impl<'q> RowMaker<'q> {
             };
             self.frontier.push(row, &near.index[range]);
         }
+        true
     }
 
-    /// What is known about B's node with the nodes `range` of `near`, which begin a block.
+    /// What is known about B's node with the nodes `range` of `near`, which begin a block; `None` if there is no time.
     #[inline(always)]
     fn part<S: Simd>(
-        &self,
+        &mut self,
         simd: S,
         (near, range): (&Candidates, Range<usize>),
         [x, y, z, radius_b]: [f32; 4],
         b: &NodeFigures,
-    ) -> Part {
+    ) -> Option<Part> {
         let query = self.query;
         let center_b =
             Lanes3 { x: f32x8::splat(simd, x), y: f32x8::splat(simd, y), z: f32x8::splat(simd, z) };
@@ -84,8 +93,14 @@ impl<'q> RowMaker<'q> {
         let (mut lower, mut upper, mut depth, mut volume) = (zero, zero, zero, zero);
         let nothing = Lanes3::zero(simd);
         let (mut moment, mut force, mut torque) = (nothing, nothing, nothing);
-        let (mut normals, mut normals_torque) = (nothing, nothing);
+        let (mut outward, mut outward_torque) = (nothing, nothing);
+        let [x, y, z] = (query.pose.rotation * b.normal).to_array();
+        let normal_b =
+            Lanes3 { x: f32x8::splat(simd, x), y: f32x8::splat(simd, y), z: f32x8::splat(simd, z) };
         for first in range.clone().step_by(WIDTH) {
+            if self.meter.work(Meter::LENS as usize) {
+                return None;
+            }
             let pairs = PairLanes {
                 center_a: Lanes3 {
                     x: load(simd, &near.x, first),
@@ -115,8 +130,9 @@ impl<'q> RowMaker<'q> {
             let area = lens.area * density;
             force = force.add_scaled(area, lens.axis);
             torque = torque.plus(pairs.center_a.scale(area).cross(lens.axis));
-            normals = normals.add_scaled(expected, a.normal);
-            normals_torque = normals_torque.plus(expected_moment.cross(a.normal));
+            let normal = a.normal.minus(normal_b);
+            outward = outward.add_scaled(expected, normal);
+            outward_torque = outward_torque.plus(expected_moment.cross(normal));
             if self.level_a == 0 || self.level_b == 0 {
                 let [in_a, in_b] = containment(&pairs, query.rounding);
                 if self.level_a == 0 {
@@ -131,18 +147,16 @@ impl<'q> RowMaker<'q> {
         let upper = sum(upper).min(most);
         let moment = sum3(moment);
         let volume = sum(volume);
-        let normal_b = query.pose.rotation * b.normal;
         let expected = Expected {
             volume,
             moment,
             gradient: Wrench { force: sum3(force), torque: sum3(torque) },
-            normals_a: Wrench { force: sum3(normals), torque: sum3(normals_torque) },
-            normals_b: Wrench { force: volume * normal_b, torque: moment.cross(normal_b) },
+            outward: Wrench { force: sum3(outward), torque: sum3(outward_torque) },
         };
         let lower = sum(lower).min(upper);
         let within = volume.min(b.volume).clamp(lower, upper);
         let factor = if volume > 0.0 { within / volume } else { 0.0 };
-        Part { lower, upper, expected: expected.scaled(factor) }
+        Some(Part { lower, upper, expected: expected.scaled(factor) })
     }
 }
 

@@ -1,6 +1,8 @@
 //! The open parts of a query, most promising first.
 
+use super::bounds::ROW;
 use super::row::{OpenSums, Part, Row};
+use crate::tree::WIDTH;
 use alloc::collections::BinaryHeap;
 use alloc::vec::Vec;
 use core::cmp::Ordering;
@@ -21,6 +23,8 @@ pub(super) struct Frontier {
     newest: Vec<u32>,
     /// Nodes of A of all rows.
     lists: Vec<u32>,
+    /// Rows whose parts are not yet in the sums.
+    fresh: Vec<u32>,
     /// While the newest row comes first.
     short_of_memory: bool,
     pub(super) sums: OpenSums,
@@ -54,25 +58,28 @@ impl Frontier {
         self.waiting.clear();
         self.newest.clear();
         self.lists.clear();
+        self.fresh.clear();
         self.short_of_memory = false;
         self.sums = OpenSums::default();
     }
 
-    /// Room for about as many rows and lists as a deep overlap of a tree of `spheres` spheres needs.
+    /// Room for about as many rows and lists as a deep overlap of a tree of `spheres` spheres needs. It is written to:
+    /// memory that was never touched is not there yet.
     pub(super) fn reserve(&mut self, spheres: usize) {
         let rows = (spheres / 4).clamp(64, MOST_ROWS);
-        self.rows.reserve(rows);
-        self.free.reserve(rows);
-        self.waiting.reserve(rows);
-        self.lists.reserve((16 * rows).min(MOST_ENTRIES));
+        self.rows.resize(rows, Row::default());
+        self.free.resize(rows, 0);
+        self.fresh.resize(ROW * WIDTH, 0);
+        self.waiting.extend((0..rows as u32).map(|row| Waiting { priority: 0.0, row }));
+        self.lists.resize((16 * rows).min(MOST_ENTRIES), 0);
+        self.clear();
     }
 
-    /// Adds a row with these nodes of A.
+    /// Makes a row with these nodes of A, which counts from [`Self::accept`] on.
     pub(super) fn push(&mut self, mut row: Row, nodes_a: &[u32]) {
         row.start = self.lists.len() as u32;
         row.len = nodes_a.len() as u32;
         self.lists.extend_from_slice(nodes_a);
-        self.sums.add(&row.part);
         let index = if let Some(index) = self.free.pop() {
             self.rows[index as usize] = row;
             index
@@ -80,10 +87,19 @@ impl Frontier {
             self.rows.push(row);
             (self.rows.len() - 1) as u32
         };
-        if self.short_of_memory {
-            self.newest.push(index);
-        } else {
-            self.waiting.push(Waiting { priority: priority(&row.part), row: index });
+        self.fresh.push(index);
+    }
+
+    /// Adds all rows made since the last time.
+    pub(super) fn accept(&mut self) {
+        for index in self.fresh.drain(..) {
+            let part = &self.rows[index as usize].part;
+            self.sums.add(part);
+            if self.short_of_memory {
+                self.newest.push(index);
+            } else {
+                self.waiting.push(Waiting { priority: priority(part), row: index });
+            }
         }
     }
 

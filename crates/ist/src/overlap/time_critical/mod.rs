@@ -79,12 +79,21 @@ impl InnerSphereTree {
         budget: Budget,
         workspace: &mut TimeCriticalWorkspace,
     ) -> OverlapEstimate {
-        let mut meter = Meter::new(budget);
+        self.overlap_metered(other, pose, &mut Meter::new(budget), workspace)
+    }
+
+    fn overlap_metered(
+        &self,
+        other: &Self,
+        pose: &Pose3,
+        meter: &mut Meter,
+        workspace: &mut TimeCriticalWorkspace,
+    ) -> OverlapEstimate {
         let Some(pose) = RelativePose::new(self, other, pose) else {
             return OverlapEstimate { complete: true, ..OverlapEstimate::default() };
         };
         let query = Query::new((self.data(), other.data()), &pose);
-        let found = dispatch!(simd_level(), simd => search(simd, &query, &mut meter, workspace));
+        let found = dispatch!(simd_level(), simd => search(simd, &query, meter, workspace));
         let scale = f64::from(self.unit());
         let scale3 = scale * scale * scale;
         let mut expected = Overlap::new(&found.totals, OverlapQuery::default(), [self, other]);

@@ -37,8 +37,7 @@ pub(super) struct Expected {
     pub(super) volume: f32,
     pub(super) moment: Vec3,
     pub(super) gradient: Wrench,
-    pub(super) normals_a: Wrench,
-    pub(super) normals_b: Wrench,
+    pub(super) outward: Wrench,
 }
 
 /// A force and its torque about A's origin.
@@ -56,8 +55,7 @@ impl Expected {
             volume: self.volume * factor,
             moment: self.moment * factor,
             gradient: wrench(self.gradient),
-            normals_a: wrench(self.normals_a),
-            normals_b: wrench(self.normals_b),
+            outward: wrench(self.outward),
         }
     }
 }
@@ -92,11 +90,9 @@ impl OpenSums {
         let (sums, expected) = (&mut self.expected, &part.expected);
         sums.volume += sign * f64::from(expected.volume);
         sums.moment += sign * expected.moment.as_dvec3();
-        for (sum, wrench) in [
-            (&mut sums.gradient, &expected.gradient),
-            (&mut sums.normals_a, &expected.normals_a),
-            (&mut sums.normals_b, &expected.normals_b),
-        ] {
+        for (sum, wrench) in
+            [(&mut sums.gradient, &expected.gradient), (&mut sums.outward, &expected.outward)]
+        {
             sum.force += sign * wrench.force.as_dvec3();
             sum.torque += sign * wrench.torque.as_dvec3();
         }
@@ -117,6 +113,5 @@ pub(super) fn add_open(resolved: &mut Totals, open: &Totals, factor: f64) {
         sum.torque += factor * wrench.torque;
     };
     add(&mut resolved.gradient, &open.gradient);
-    add(&mut resolved.normals_a, &open.normals_a);
-    add(&mut resolved.normals_b, &open.normals_b);
+    add(&mut resolved.outward, &open.outward);
 }

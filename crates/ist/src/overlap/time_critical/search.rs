@@ -11,6 +11,7 @@ use super::query::Query;
 use super::row::{Row, add_open};
 use super::workspace::TimeCriticalWorkspace;
 use crate::tree::{BallBlock, WIDTH};
+use core::ops::Range;
 use fearless_simd::{Simd, f32x8, prelude::*};
 
 /// The sums over resolved pairs; no stiffness, as there is none for what is only expected.
@@ -46,28 +47,28 @@ pub(super) fn search<S: Simd>(
     workspace: &mut TimeCriticalWorkspace,
 ) -> Found {
     workspace.clear(query.b.tree.levels[0].blocks.len());
-    let mut resolved = Resolved::new((query.a.tree, query.b.tree), query.pose);
+    let resolved = Resolved::new((query.a.tree, query.b.tree), query.pose);
+    let mut search = Search { query, meter, workspace, resolved };
     let (mut lower, mut upper) = (0.0_f64, f64::INFINITY);
-    begin(simd, query, workspace, &mut resolved);
+    search.begin(simd);
     let complete = loop {
-        let sums = &workspace.frontier.sums;
-        lower = lower.max(resolved.totals.volume + sums.lower - sums.rounding());
-        upper = upper.min(resolved.totals.volume + sums.upper + sums.rounding());
-        let Some(len) = workspace.frontier.next_len() else {
-            settle(simd, workspace, &mut resolved);
+        let (sums, volume) = (&search.workspace.frontier.sums, search.resolved.totals.volume);
+        lower = lower.max(volume + sums.lower - sums.rounding());
+        upper = upper.min(volume + sums.upper + sums.rounding());
+        let Some(len) = search.workspace.frontier.next_len() else {
+            search.settle(simd);
             break true;
         };
-        if !meter.spend(len) {
+        if !(search.meter.spend(len) && search.open_next(simd)) {
             break false;
         }
-        open_next(simd, query, workspace, &mut resolved);
     };
-    let mut totals = resolved.totals;
+    let mut totals = search.resolved.totals;
     if complete {
         let (lower, upper) = (lower.max(totals.volume), upper.min(totals.volume));
         return Found { lower, upper, totals, complete };
     }
-    let open = &workspace.frontier.sums.expected;
+    let open = &search.workspace.frontier.sums.expected;
     // Bounds may be tighter than those of the parts that are open now: they never widen.
     let expected = (totals.volume + open.volume).clamp(lower, upper.max(lower)) - totals.volume;
     let factor = if open.volume > 0.0 { expected / open.volume } else { 0.0 };
@@ -75,73 +76,140 @@ pub(super) fn search<S: Simd>(
     Found { lower, upper, totals, complete }
 }
 
-/// The pair of the roots.
-#[inline(always)]
-fn begin<S: Simd>(simd: S, query: &Query, workspace: &mut TimeCriticalWorkspace, resolved: &mut Resolved) {
-    let levels = (query.a.tree.height(), query.b.tree.height());
-    workspace.nodes_a.index[0] = 0;
-    workspace.nodes_a.len = 1;
-    copy_nodes(query, levels.0, &workspace.nodes_a, &mut workspace.children_a);
-    test_children(simd, query, (levels, 0..1), workspace, resolved);
-    // Two single spheres are resolved by this.
-    settle(simd, workspace, resolved);
+/// A search on its way.
+struct Search<'s, 'q> {
+    query: &'q Query<'q>,
+    meter: &'s mut Meter,
+    workspace: &'s mut TimeCriticalWorkspace,
+    resolved: Resolved<'q>,
 }
 
-/// Opens the next row, of which there must be one.
-#[inline(always)]
-fn open_next<S: Simd>(
-    simd: S,
-    query: &Query,
-    workspace: &mut TimeCriticalWorkspace,
-    resolved: &mut Resolved,
-) {
-    let TimeCriticalWorkspace { frontier, nodes_a, children_a, pending, .. } = workspace;
-    let Some((row, len)) = frontier.pop(&mut nodes_a.index) else { return };
-    nodes_a.len = len;
-    let [open_a, open_b] = sides_to_open(&row);
-    let leaves = row.level_a as usize == usize::from(open_a) && row.level_b as usize == usize::from(open_b);
-    if leaves {
-        pending.push(row.part);
-    } else {
-        frontier.sums.subtract(&row.part);
+impl Search<'_, '_> {
+    /// The pair of the roots: there must be something that is known, whatever the time.
+    #[inline(always)]
+    fn begin<S: Simd>(&mut self, simd: S) {
+        let levels = (self.query.a.tree.height(), self.query.b.tree.height());
+        let TimeCriticalWorkspace { nodes_a, children_a, .. } = &mut *self.workspace;
+        nodes_a.index[0] = 0;
+        nodes_a.len = 1;
+        copy_nodes(self.query, levels.0, nodes_a, children_a);
+        // The clock is not yet read.
+        self.test_children(simd, levels, 0..1);
+        self.workspace.frontier.accept();
+        // Two single spheres are resolved by this.
+        self.settle(simd);
     }
-    let (level_a, level_b, node) = (row.level_a as usize, row.level_b as usize, row.node as usize);
-    children_a.len = 0;
-    let level_a = if open_a {
-        let [x, y, z, radius] = row.ball;
-        let ball = Ball {
-            x: f32x8::splat(simd, x),
-            y: f32x8::splat(simd, y),
-            z: f32x8::splat(simd, z),
-            radius: f32x8::splat(simd, radius),
+
+    /// Opens the next row, of which there must be one. Whether there was time for it; if not, sums are as before.
+    #[inline(always)]
+    fn open_next<S: Simd>(&mut self, simd: S) -> bool {
+        let query = self.query;
+        let TimeCriticalWorkspace { frontier, nodes_a, children_a, .. } = &mut *self.workspace;
+        let Some((row, len)) = frontier.pop(&mut nodes_a.index) else { return false };
+        nodes_a.len = len;
+        let [open_a, open_b] = sides_to_open(&row);
+        let (level_a, level_b) = (row.level_a as usize, row.level_b as usize);
+        let (below_a, below_b) = (level_a - usize::from(open_a), level_b - usize::from(open_b));
+        children_a.len = 0;
+        if open_a {
+            let [x, y, z, radius] = row.ball;
+            let ball = Ball {
+                x: f32x8::splat(simd, x),
+                y: f32x8::splat(simd, y),
+                z: f32x8::splat(simd, z),
+                radius: f32x8::splat(simd, radius),
+            };
+            let a = Skinned { data: query.a.tree, skin: query.a.skin };
+            for parents in nodes_a.indices().chunks(WIDTH) {
+                expand(simd, a, (parents, below_a), &ball, children_a);
+                if self.meter.work(parents.len()) {
+                    return false;
+                }
+            }
+        } else {
+            copy_nodes(query, level_a, nodes_a, children_a);
+        }
+        let node = row.node as usize;
+        let nodes_b = if open_b {
+            node * WIDTH..((node + 1) * WIDTH).min(query.b.tree.levels[below_b].len())
+        } else {
+            node..node + 1
         };
-        let a = Skinned { data: query.a.tree, skin: query.a.skin };
-        expand(simd, a, (nodes_a, level_a - 1), &ball, children_a);
-        level_a - 1
-    } else {
-        copy_nodes(query, level_a, nodes_a, children_a);
-        level_a
-    };
-    let (level_b, nodes_b) = if open_b {
-        let end = ((node + 1) * WIDTH).min(query.b.tree.levels[level_b - 1].len());
-        (level_b - 1, node * WIDTH..end)
-    } else {
-        (level_b, node..node + 1)
-    };
-    let settled = resolved.totals.pairs;
-    test_children(simd, query, ((level_a, level_b), nodes_b), workspace, resolved);
-    let full = workspace.leaf_pairs.len() >= PENDING_PAIRS || workspace.pending.len() >= PENDING_PARTS;
-    if leaves && (full || resolved.totals.pairs != settled) {
-        settle(simd, workspace, resolved);
+        let settled = self.resolved.totals.pairs;
+        let in_time = self.test_children(simd, (below_a, below_b), nodes_b);
+        // Pairs that are resolved count, whatever the time.
+        let some_resolved = self.resolved.totals.pairs != settled;
+        if !(in_time || some_resolved) {
+            return false;
+        }
+        if (below_a, below_b) != (0, 0) {
+            self.workspace.frontier.sums.subtract(&row.part);
+            self.workspace.frontier.accept();
+            return true;
+        }
+        let TimeCriticalWorkspace { leaf_pairs, pending, .. } = &mut *self.workspace;
+        pending.push(row.part);
+        let full = leaf_pairs.len() >= PENDING_PAIRS || pending.len() >= PENDING_PARTS;
+        if full || some_resolved {
+            self.settle(simd);
+        }
+        true
     }
-}
 
-/// Resolves the pairs of leaves that wait, and takes the parts that they make out of the open ones.
-#[inline(always)]
-fn settle<S: Simd>(simd: S, workspace: &mut TimeCriticalWorkspace, resolved: &mut Resolved) {
-    workspace.leaf_pairs.flush(simd, &workspace.placed, resolved);
-    for part in workspace.pending.drain(..) {
-        workspace.frontier.sums.subtract(&part);
+    /// Resolves the pairs of leaves that wait, and takes the parts that they make out of the open ones.
+    #[inline(always)]
+    fn settle<S: Simd>(&mut self, simd: S) {
+        let TimeCriticalWorkspace { frontier, leaf_pairs, placed, pending, .. } = &mut *self.workspace;
+        let blocks = leaf_pairs.len().div_ceil(WIDTH);
+        leaf_pairs.flush(simd, placed, &mut self.resolved);
+        for part in pending.drain(..) {
+            frontier.sums.subtract(&part);
+        }
+        // The clock is read before the next row anyway.
+        self.meter.work(blocks * Meter::LENS as usize);
+    }
+
+    /// Tests nodes of B, siblings on their level, against the workspace's `children_a` on theirs: resolves pairs of leaves
+    /// and makes rows of all others that meet. Whether there was time for it.
+    #[inline(always)]
+    fn test_children<S: Simd>(
+        &mut self,
+        simd: S,
+        (level_a, level_b): (usize, usize),
+        nodes_b: Range<usize>,
+    ) -> bool {
+        let query = self.query;
+        let TimeCriticalWorkspace { frontier, children_a, near, placed, leaf_pairs, .. } =
+            &mut *self.workspace;
+        let block = nodes_b.start / WIDTH;
+        let mut balls = query.pose.place(simd, &query.b.tree.levels[level_b].blocks[block]);
+        let tests = children_a.len.div_ceil(WIDTH);
+        if level_a == 0 && level_b == 0 {
+            placed[block] = balls;
+            let lone = lone_ball(&balls, nodes_b.start % WIDTH);
+            let lanes = if nodes_b.len() == 1 {
+                Lanes { balls: &lone, index: [nodes_b.start as u32; WIDTH], count: 1, of_a: false }
+            } else {
+                Lanes::block_of_b(placed, block)
+            };
+            let waiting = leaf_pairs.len() + self.resolved.totals.pairs as usize;
+            leaf_pairs.append(simd, (children_a, 0..children_a.len), &lanes, (placed, &mut self.resolved));
+            let found = leaf_pairs.len() + self.resolved.totals.pairs as usize - waiting;
+            return !self.meter.work(tests * lanes.count + found);
+        }
+        balls.radius = balls.radius.map(|radius| radius + query.enlargement());
+        let mut rows = RowMaker::new(query, frontier, self.meter, (level_a, level_b));
+        for node in nodes_b {
+            let lane = node % WIDTH;
+            near.len = 0;
+            keep_touching(simd, children_a, &Ball::of(simd, &balls, lane), near);
+            pad(near);
+            let ball = [balls.x[lane], balls.y[lane], balls.z[lane], balls.radius[lane]];
+            if rows.meter.work(tests) || !rows.add(simd, near, (node, ball)) {
+                return false;
+            }
+        }
+        true
     }
 }
 
@@ -152,41 +220,6 @@ fn sides_to_open(row: &Row) -> [bool; 2] {
         (true, true) if row.largest > ALIKE * radius_b => [true, false],
         (true, true) if radius_b > ALIKE * row.largest => [false, true],
         sides => sides.into(),
-    }
-}
-
-/// Tests nodes of B, siblings on their level, against the workspace's `children_a` on theirs: adds pairs of leaves
-/// to `resolved` and makes rows of all others that meet.
-#[inline(always)]
-fn test_children<S: Simd>(
-    simd: S,
-    query: &Query,
-    ((level_a, level_b), nodes_b): ((usize, usize), core::ops::Range<usize>),
-    workspace: &mut TimeCriticalWorkspace,
-    resolved: &mut Resolved,
-) {
-    let TimeCriticalWorkspace { frontier, children_a, near, placed, leaf_pairs, .. } = workspace;
-    let block = nodes_b.start / WIDTH;
-    let mut balls = query.pose.place(simd, &query.b.tree.levels[level_b].blocks[block]);
-    if level_a == 0 && level_b == 0 {
-        placed[block] = balls;
-        let lone = lone_ball(&balls, nodes_b.start % WIDTH);
-        let lanes = if nodes_b.len() == 1 {
-            Lanes { balls: &lone, index: [nodes_b.start as u32; WIDTH], count: 1, of_a: false }
-        } else {
-            Lanes::block_of_b(placed, block)
-        };
-        leaf_pairs.append(simd, (children_a, 0..children_a.len), &lanes, (placed, resolved));
-        return;
-    }
-    balls.radius = balls.radius.map(|radius| radius + query.enlargement());
-    let mut rows = RowMaker::new(query, frontier, (level_a, level_b));
-    for node in nodes_b {
-        let lane = node % WIDTH;
-        near.len = 0;
-        keep_touching(simd, children_a, &Ball::of(simd, &balls, lane), near);
-        pad(near);
-        rows.add(simd, near, (node, [balls.x[lane], balls.y[lane], balls.z[lane], balls.radius[lane]]));
     }
 }
 

@@ -225,6 +225,43 @@ fn useless_poses_give_no_overlap() {
     }
 }
 
+/// Checks that a query stops in time, by a clock that counts its work, and never knows less for more time.
+fn check_time(a: &InnerSphereTree, b: &InnerSphereTree, pose: &Pose3, most_late: u64) {
+    let mut workspace = TimeCriticalWorkspace::default();
+    let mut all = Meter::new(Budget::Visits(u32::MAX));
+    let full = a.overlap_metered(b, pose, &mut all, &mut workspace);
+    // Eight pairs of spheres are at least a unit, and eight nodes of A in a list are that and more.
+    assert!(all.done() >= u64::from(full.expected.pairs / 8 + full.visits / 8));
+    let mut last = OverlapEstimate { upper: f32::INFINITY, ..OverlapEstimate::default() };
+    for i in 0..200 {
+        let time = all.done() * i / 199 * 6 / 5;
+        let mut meter = Meter::of_work(core::time::Duration::from_nanos(time));
+        let result = a.overlap_metered(b, pose, &mut meter, &mut workspace);
+        let late = meter.done().saturating_sub(time - time / u64::from(budget::RESERVE));
+        assert!(late <= most_late, "{late} units after the time, {time} of {} in all", all.done());
+        assert!(result.lower <= full.expected.volume && full.expected.volume <= result.upper);
+        assert!(result.lower >= last.lower && result.upper <= last.upper);
+        last = result;
+    }
+    assert!(last.complete);
+}
+
+#[test]
+fn it_stops_in_time() {
+    // The leaves below 32 nodes of A with eight of B's, the pairs that are found, and a batch of lenses.
+    let at_most = |pairs: u64| 8 + 32 * 8 + pairs + 256;
+    let most = at_most(8 * 27);
+    let solid = lattice(14, 0.1, Vec3::ZERO);
+    for shift in [0.0, 0.3, 0.9] {
+        let pose = Pose3::from_parts(Vec3::new(shift, 0.13, 0.04), Quat::from_rotation_x(0.3));
+        check_time(&solid, &solid, &pose, most);
+        check_time(&solid, &lattice(9, 0.02, Vec3::ZERO), &pose, most);
+        check_time(&lattice(9, 0.02, Vec3::ZERO), &solid, &pose.inverse(), most);
+    }
+    // Where all spheres are on top of each other a row has 32 · 8 · 8 pairs.
+    check_time(&balls(300, 1.0), &balls(500, 0.9), &Pose3::translation(0.5, 0.0, 0.0), at_most(32 * 8 * 8));
+}
+
 #[test]
 fn any_time_will_do() {
     let solid = lattice(12, 0.1, Vec3::ZERO);

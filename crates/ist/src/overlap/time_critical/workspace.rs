@@ -50,7 +50,7 @@ impl Default for TimeCriticalWorkspace {
 }
 
 impl TimeCriticalWorkspace {
-    /// Allocates what queries with a tree of `spheres` spheres as the second usually need.
+    /// Allocates what queries with a tree of `spheres` spheres as the second usually need, and forgets what it holds.
     pub fn reserve(&mut self, spheres: usize) {
         self.frontier.reserve(spheres);
         self.fit_leaves(spheres.div_ceil(WIDTH));
