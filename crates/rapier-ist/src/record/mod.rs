@@ -59,6 +59,10 @@ mod recorder;
 mod scene;
 mod sink;
 #[cfg(test)]
+mod fault_tests;
+#[cfg(test)]
+pub(crate) mod test_scene;
+#[cfg(test)]
 mod tests;
 
 pub use body::BodyDescription;
