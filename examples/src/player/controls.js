@@ -16,7 +16,8 @@ function start() {
   if (!renderer) return fail("This page needs WebGL 2, which this browser does not offer. Try another browser or switch hardware acceleration on.");
 
   const state = { time: 0, speed: 1, playing: false, spheres: false, stale: true };
-  const first = { turn: 0.52, tilt: 0.62, distance: 2.55 * recording.radius / Math.tan(FIELD_OF_VIEW / 2) * 0.5, target: recording.center };
+  // From the side that the pictures are taken from; a ball around the scene would need 1 / sin(15°) = 3.9 radii.
+  const first = { turn: 0.52, tilt: 0.76, distance: 3.3 * recording.radius, target: recording.center };
   const camera = { ...first };
 
   function view() {
