@@ -20,7 +20,9 @@ const WARM_UP: usize = 200;
 fn poses_are_recorded_without_allocations() {
     let mut world = PhysicsWorld::new();
     for index in 0..BODIES {
-        world.insert_body(RigidBodyBuilder::dynamic().translation(Vector::X * index as f32).additional_mass(1.0));
+        world.insert_body(
+            RigidBodyBuilder::dynamic().translation(Vector::X * index as f32).additional_mass(1.0),
+        );
     }
     // No chunk ends within the steps that are counted: then the file is written, and that is the mcap crate's.
     let options = RecordOptions::poses().chunk_size(u64::MAX);

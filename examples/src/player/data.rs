@@ -64,7 +64,11 @@ struct Shape {
 
 impl Recording {
     pub(super) fn new(replay: &Replay, title: &str) -> Result<Self> {
-        ensure!(replay.step_count() > 0, "the recording has no step to play; it ends where: {}", replay.end());
+        ensure!(
+            replay.step_count() > 0,
+            "the recording has no step to play; it ends where: {}",
+            replay.end()
+        );
         let (steps, count) = (replay.step_count(), replay.bodies().len());
         let mut numbers = Numbers::default();
         let mut meshes = Shapes::default();
@@ -156,7 +160,9 @@ fn poses(replay: &Replay, bodies: &[Body]) -> Vec<u8> {
             };
             let pose = upright(replay.up()) * pose;
             let position = (pose.translation - Vec3::from(body.lower)) / body.range.max(f32::MIN_POSITIVE);
-            bytes.extend(position.to_array().map(|p| (p * FULL).round() as u16).iter().flat_map(|n| n.to_le_bytes()));
+            bytes.extend(
+                position.to_array().map(|p| (p * FULL).round() as u16).iter().flat_map(|n| n.to_le_bytes()),
+            );
             let rotation = pose.rotation.to_array().map(|q| (q * 32767.0).round() as i16);
             bytes.extend(rotation.iter().flat_map(|n| n.to_le_bytes()));
         }

@@ -157,9 +157,8 @@ fn ten_thousand_bodies_of_one_odd_name() {
     }
     let mut bytes = Cursor::new(Vec::new());
     let mut recorder = Recorder::new(&mut bytes, RecordOptions::everything()).unwrap();
-    let described = recorder.add_bodies(&world, |handle, _| {
-        Some(BodyDescription::new(handle, "Ж/\n\"").spheres(&fall.packing))
-    });
+    let described = recorder
+        .add_bodies(&world, |handle, _| Some(BodyDescription::new(handle, "Ж/\n\"").spheres(&fall.packing)));
     assert_eq!(described.unwrap(), COUNT);
     assert_eq!(recorder.add_bodies(&world, |_, _| unreachable!()).unwrap(), 0, "all are known");
     for _ in 0..3 {

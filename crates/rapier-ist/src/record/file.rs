@@ -16,9 +16,17 @@ pub(super) enum Entry {
     /// A channel; its index is the number of channels put before.
     Channel(Channel),
     /// A message on channel `channel` at `time` (ns).
-    Message { channel: usize, time: u64, data: Vec<u8> },
+    Message {
+        channel: usize,
+        time: u64,
+        data: Vec<u8>,
+    },
     Metadata(Metadata),
-    Attachment { name: String, time: u64, data: Vec<u8> },
+    Attachment {
+        name: String,
+        time: u64,
+        data: Vec<u8>,
+    },
     /// Everything before shall survive the end of the process.
     Flush,
 }

@@ -49,6 +49,8 @@ mod body;
 mod contacts;
 mod convert;
 mod error;
+#[cfg(test)]
+mod fault_tests;
 mod file;
 pub(crate) mod messages;
 mod metrics;
@@ -58,8 +60,6 @@ mod poses;
 mod recorder;
 mod scene;
 mod sink;
-#[cfg(test)]
-mod fault_tests;
 #[cfg(test)]
 pub(crate) mod test_scene;
 #[cfg(test)]

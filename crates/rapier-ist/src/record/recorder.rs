@@ -10,8 +10,8 @@ use super::sink::Sink;
 use super::{BodyDescription, PACKING_KEY, RecordError, RecordOptions, SCALE_KEY};
 use crate::StepReport;
 use foxglove::messages::Log;
-use foxglove::messages::log::Level;
 use foxglove::messages::PointCloud;
+use foxglove::messages::log::Level;
 use rapier3d::dynamics::{RigidBody, RigidBodyHandle};
 use rapier3d::geometry::ColliderHandle;
 use rapier3d::pipeline::PhysicsWorld;
@@ -264,7 +264,10 @@ impl<W: Write + Seek> Recorder<W> {
                 }
                 PoseEvent::NotFinite => {
                     self.statistics.poses_refused += 1;
-                    self.log(Level::Error, format!("the pose of {name} is not finite; its last one is kept"))?;
+                    self.log(
+                        Level::Error,
+                        format!("the pose of {name} is not finite; its last one is kept"),
+                    )?;
                 }
             }
         }

@@ -65,7 +65,11 @@ impl Fall {
         StepReport { contacts: vec![contact], patches, query_seconds: 0.125, ..StepReport::default() }
     }
 
-    pub(crate) fn run<W: Write + Seek>(&mut self, recorder: &mut Recorder<W>, steps: u32) -> Result<(), RecordError> {
+    pub(crate) fn run<W: Write + Seek>(
+        &mut self,
+        recorder: &mut Recorder<W>,
+        steps: u32,
+    ) -> Result<(), RecordError> {
         for _ in 0..steps {
             self.world.step();
             recorder.record(&self.world, &self.report())?;
@@ -85,4 +89,3 @@ pub(crate) fn recording(options: RecordOptions) -> (Vec<u8>, RecordStatistics) {
     let statistics = recorder.finish().unwrap();
     (bytes, statistics)
 }
-

@@ -64,7 +64,8 @@ impl Builder {
 
     fn message(&mut self, channel: u16, time: u64, data: &[u8]) {
         let Some(channel) = self.channels.get(&channel) else {
-            return self.defect(format!("a message at {time} ns is on channel {channel}, which is not there"));
+            return self
+                .defect(format!("a message at {time} ns is on channel {channel}, which is not there"));
         };
         let topic = channel.topic.clone();
         let understood = match topic.as_str() {

@@ -92,12 +92,7 @@ fn attachment(body: &[u8], visit: &mut impl FnMut(Record)) -> Result<(), String>
 }
 
 /// The chunk whose record begins at `position` and has the given body.
-fn chunk(
-    bytes: &[u8],
-    position: usize,
-    body: &[u8],
-    visit: &mut impl FnMut(Record),
-) -> Result<(), String> {
+fn chunk(bytes: &[u8], position: usize, body: &[u8], visit: &mut impl FnMut(Record)) -> Result<(), String> {
     let Ok(Record::Chunk { header, data }) = mcap::parse_record(op::CHUNK, body) else {
         return Err("a chunk's header makes no sense".into());
     };

@@ -17,7 +17,9 @@ pub enum ReplayError {
         source: io::Error,
     },
     /// What was read is no MCAP file.
-    #[error("{origin} is no recording: it does not begin as an MCAP file does; name a file that a Recorder wrote")]
+    #[error(
+        "{origin} is no recording: it does not begin as an MCAP file does; name a file that a Recorder wrote"
+    )]
     NotMcap {
         /// The file, or `the given data`.
         origin: String,

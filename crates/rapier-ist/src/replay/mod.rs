@@ -36,8 +36,8 @@
 
 mod body;
 mod builder;
-mod container;
 mod contact;
+mod container;
 mod error;
 mod interpolate;
 mod reader;

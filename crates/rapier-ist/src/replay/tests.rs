@@ -10,12 +10,13 @@ fn options() -> RecordOptions {
     RecordOptions::everything().chunk_size(2000).metadata("seed", 7)
 }
 
-const COMPRESSIONS: [ChunkCompression; 3] =
-    [ChunkCompression::None, ChunkCompression::Lz4, ChunkCompression::Zstd];
+/// Compressions, and every how many bytes they are tried: all of them for the one that is the default.
+const COMPRESSIONS: [(ChunkCompression, usize); 3] =
+    [(ChunkCompression::None, 7), (ChunkCompression::Lz4, 7), (ChunkCompression::Zstd, 1)];
 
 #[test]
 fn all_that_was_recorded_is_there() {
-    for compression in COMPRESSIONS {
+    for (compression, _) in COMPRESSIONS {
         let (bytes, statistics) = recording(options().compression(compression).timings(true));
         let replay = Replay::from_bytes(&bytes).unwrap();
         assert_eq!((replay.end(), replay.defects().len()), (&ReplayEnd::Complete, 0));
@@ -40,12 +41,18 @@ fn all_that_was_recorded_is_there() {
         let report = Fall::new().report();
         assert_eq!(contact.bodies, [Some(0), Some(1)]);
         assert_eq!((contact.volume, contact.depth), (report.contacts[0].volume, report.contacts[0].depth));
-        assert_eq!((contact.centroid, contact.force), (report.contacts[0].centroid, report.contacts[0].force));
+        assert_eq!(
+            (contact.centroid, contact.force),
+            (report.contacts[0].centroid, report.contacts[0].force)
+        );
         assert_eq!(contact.patches.len(), 2);
         for (patch, expected) in contact.patches.iter().zip(&report.patches) {
             assert_eq!((patch.volume, patch.depth), (expected.volume, expected.depth));
             assert_eq!((patch.centroid, patch.force), (expected.centroid, expected.force));
-            assert_eq!((patch.torque, patch.relative_velocity), (expected.torque, expected.relative_velocity));
+            assert_eq!(
+                (patch.torque, patch.relative_velocity),
+                (expected.torque, expected.relative_velocity)
+            );
         }
         let metrics = step.metrics().unwrap();
         assert_eq!((metrics.step, metrics.contact_count, metrics.deepest_overlap), (3, 1, 0.5));
@@ -109,7 +116,8 @@ fn a_removed_body_has_no_pose_from_then_on() {
     recorder.finish().unwrap();
     let replay = Replay::from_bytes(bytes.get_ref()).unwrap();
     assert_eq!(replay.up(), UpAxis::Z);
-    let there: Vec<Vec<usize>> = replay.steps().map(|step| step.poses().map(|(body, _)| body).collect()).collect();
+    let there: Vec<Vec<usize>> =
+        replay.steps().map(|step| step.poses().map(|(body, _)| body).collect()).collect();
     assert_eq!(there, [vec![0, 1], vec![0, 1], vec![1], vec![1]]);
     let [second, third] = [1, 2].map(|index| replay.step(index).unwrap().time());
     let before = replay.step(1).unwrap().pose(0);
@@ -129,11 +137,11 @@ fn is_beginning(part: &Replay, whole: &Replay) -> bool {
 
 #[test]
 fn cut_off_at_any_byte_it_replays_up_to_there() {
-    for compression in COMPRESSIONS {
+    for (compression, stride) in COMPRESSIONS {
         let (bytes, _) = recording(options().compression(compression));
         let whole = Replay::from_bytes(&bytes).unwrap();
         let mut steps = 0;
-        for length in 0..bytes.len() {
+        for length in (0..bytes.len()).step_by(stride) {
             let replay = Replay::from_bytes(&bytes[..length]).unwrap();
             let &ReplayEnd::Truncated { at } = replay.end() else { panic!("{length}: {}", replay.end()) };
             assert!(at <= length as u64);
@@ -149,12 +157,12 @@ fn cut_off_at_any_byte_it_replays_up_to_there() {
 
 #[test]
 fn a_flipped_bit_is_noticed_and_nothing_wrong_is_replayed() {
-    for compression in COMPRESSIONS {
+    for (compression, stride) in COMPRESSIONS {
         let (bytes, _) = recording(options().compression(compression));
         let whole = Replay::from_bytes(&bytes).unwrap();
         // What comes after the data, such as the summary, is not read.
         let data_end = bytes.len() - bytes_after_data(&bytes);
-        for position in mcap::MAGIC.len()..bytes.len() {
+        for position in (mcap::MAGIC.len()..bytes.len()).step_by(stride) {
             let mut damaged = bytes.clone();
             damaged[position] ^= 1 << (position % 8);
             let replay = Replay::from_bytes(&damaged).unwrap();
