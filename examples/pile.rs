@@ -3,12 +3,13 @@
 use anyhow::{Context, Result};
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
-use rapier_ist::record::{BodyDescription, RecordOptions, Recorder};
+use rapier_ist::record::{RecordOptions, Recorder};
 use rapier_ist_examples::figures::{Summary, Timings};
 use rapier_ist_examples::output::{check_folder_of, exit_code, write_whole};
 use rapier_ist_examples::palette;
+use rapier_ist_examples::recording::describe_pile;
 use rapier_ist_examples::render::{Mesh, PictureSize, Scene, Surface};
-use rapier_ist_examples::scenes::{Pile, PileOptions, ShapeKind, single_precision};
+use rapier_ist_examples::scenes::{Pile, PileOptions, ShapeKind};
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -119,23 +120,7 @@ fn describe(pile: &Pile, arguments: &Arguments) -> Result<Recorder<BufWriter<Fil
         .metadata("spheres", arguments.spheres)
         .metadata("shape", format!("{:?}", arguments.shape));
     let mut recorder = Recorder::create(&arguments.mcap, options)?;
-    let bowl = single_precision(&pile.bowl_solid);
-    let [r, g, b] = palette::NEUTRAL;
-    recorder
-        .add_body(&BodyDescription::new(pile.bowl, "bowl").mesh(&bowl.0, &bowl.1).color([r, g, b, 0.35]))?;
-    let meshes: Vec<_> = pile.models.iter().map(|model| single_precision(&model.solid)).collect();
-    for (index, body) in pile.bodies.iter().enumerate() {
-        let model = &pile.models[body.model];
-        let name = format!("{}_{index}", model.name);
-        let [r, g, b] = palette::color(body.model);
-        let (vertices, triangles) = &meshes[body.model];
-        let description = BodyDescription::new(body.handle, &name)
-            .mesh(vertices, triangles)
-            .spheres(&model.packing)
-            .scale(body.size)
-            .color([r, g, b, 1.0]);
-        recorder.add_body(&description)?;
-    }
+    describe_pile(&mut recorder, pile)?;
     Ok(recorder)
 }
 

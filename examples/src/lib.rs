@@ -1,8 +1,12 @@
 //! What the examples, tests and benchmarks share: generated meshes, scenes, figures, a headless renderer.
 
+pub mod animation;
 pub mod figures;
 pub mod output;
 pub mod palette;
+pub mod playback;
+pub mod player;
+pub mod recording;
 pub mod render;
 pub mod scenes;
 pub mod shapes;

@@ -1,11 +1,11 @@
-//! Shared by the project's tests: exact overlaps to compare with.
+//! Shared by the project's tests: exact overlaps to compare with, and a small scene to record.
 
 use anyhow::{Context, Result};
 use glam::{Quat, Vec3};
 use glamx::Pose3;
 use ist::{InnerSphere, InnerSphereTree, SpherePacking};
 use packer::{PackOptions, Solid, TriangleMesh, pack};
-use rapier_ist_examples::scenes::asset_folder;
+use rapier_ist_examples::scenes::{Pile, PileOptions, asset_folder};
 use serde::Deserialize;
 use std::path::Path;
 
@@ -116,4 +116,14 @@ pub fn plain(packing: &SpherePacking) -> Result<SpherePacking> {
 pub fn median(mut values: Vec<f64>) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(f64::INFINITY)
+}
+
+/// Six bones of a hundred spheres each over a bowl, which reach it within a second: quick to make, for tests that make
+/// many.
+///
+/// # Errors
+/// Where the project's meshes are missing.
+pub fn small_pile() -> Result<Pile> {
+    let meshes = ["femur.obj", "pelvis.obj"].map(|name| asset_folder().join(name)).to_vec();
+    Pile::new(&PileOptions { bodies: 6, spheres: 100, meshes, ..PileOptions::default() }, |_| ())
 }

@@ -31,7 +31,7 @@
 //! [`ContactModel::VolumeManifold`] hands the same overlap to Rapier's own solver instead.
 //!
 //! # Features
-//! - `mcap`: `record`, trajectories in MCAP files with Foxglove's schemas.
+//! - `mcap`: `record`, trajectories in MCAP files with Foxglove's schemas, and `replay`, which reads them back.
 //! - `packer`: `IstShape::from_mesh`.
 //! - `parallel`, `enhanced-determinism`, `serde-serialize`, `debug-render`: as Rapier's features of these names.
 
@@ -55,6 +55,8 @@ mod plugin;
 mod query;
 #[cfg(feature = "mcap")]
 pub mod record;
+#[cfg(feature = "mcap")]
+pub mod replay;
 mod report;
 mod response;
 mod shape;

@@ -8,23 +8,24 @@ use foxglove::messages::{PackedElementField, PointCloud, SceneEntity, TriangleLi
 use ist::SpherePacking;
 use rapier3d::dynamics::RigidBodyHandle;
 use rapier3d::math::Vector;
+use std::borrow::Cow;
 
 /// What a viewer needs to know of a body once: its name, mesh, packing and colour.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct BodyDescription<'a> {
     pub(super) handle: RigidBodyHandle,
-    pub(super) name: &'a str,
+    pub(super) name: Cow<'a, str>,
     mesh: Option<(&'a [Vector], &'a [[u32; 3]])>,
     pub(super) spheres: Option<&'a SpherePacking>,
-    scale: f32,
+    pub(super) scale: f32,
     color: [f32; 4],
 }
 
 impl<'a> BodyDescription<'a> {
     /// A body without a look: only its pose is recorded.
     #[must_use]
-    pub fn new(handle: RigidBodyHandle, name: &'a str) -> Self {
-        Self { handle, name, mesh: None, spheres: None, scale: 1.0, color: [0.7, 0.7, 0.7, 1.0] }
+    pub fn new(handle: RigidBodyHandle, name: impl Into<Cow<'a, str>>) -> Self {
+        Self { handle, name: name.into(), mesh: None, spheres: None, scale: 1.0, color: [0.7, 0.7, 0.7, 1.0] }
     }
 
     /// Its triangles, vertices in the body's frame (m, before [`Self::scale`]).
@@ -58,7 +59,7 @@ impl<'a> BodyDescription<'a> {
     /// Refuses what would put broken geometry into the file.
     pub(super) fn check(&self) -> Result<(), RecordError> {
         match self.defect() {
-            Some(what) => Err(RecordError::Body { name: self.name.to_owned(), what }),
+            Some(what) => Err(RecordError::Body { name: self.name.to_string(), what }),
             None => Ok(()),
         }
     }

@@ -2,8 +2,8 @@
 
 use super::WORLD_FRAME;
 use super::convert::{color, quaternion, timestamp, vector};
-use super::messages::{Contact, Contacts};
-use crate::PairContact;
+use super::messages::{Contact, Contacts, Patch};
+use crate::{PairContact, PatchContact, StepReport};
 use foxglove::messages::{ArrowPrimitive, Pose, SceneEntity, SceneUpdate};
 use rapier3d::math::{Rotation, Vector};
 
@@ -21,18 +21,23 @@ pub(super) struct ArrowScale {
     pub(super) body_radius: f64,
 }
 
+/// The contacts that can be written, with their places in the report.
+pub(super) fn finite_contacts(report: &StepReport) -> impl Iterator<Item = (usize, &PairContact)> {
+    report.contacts.iter().enumerate().filter(|(_, contact)| is_finite(contact))
+}
+
 /// Whether every number of the contact can be written.
-pub(super) fn is_finite(contact: &PairContact) -> bool {
+fn is_finite(contact: &PairContact) -> bool {
     let vectors = [contact.centroid, contact.force, contact.torque, contact.relative_velocity];
     contact.volume.is_finite() && contact.depth.is_finite() && vectors.iter().all(|v| v.is_finite())
 }
 
-/// The contacts as data, bodies named by `name`.
-pub(super) fn contact_list<'a>(
-    contacts: impl Iterator<Item = &'a PairContact>,
+/// The contacts as data, each with its patches, bodies named by `name`.
+pub(super) fn contact_list(
+    report: &StepReport,
     name: impl Fn(rapier3d::geometry::ColliderHandle) -> String,
 ) -> Contacts {
-    let contact = |contact: &PairContact| Contact {
+    let contact = |(index, contact): (usize, &PairContact)| Contact {
         body_a: name(contact.collider_a),
         body_b: name(contact.collider_b),
         volume: contact.volume.into(),
@@ -41,23 +46,34 @@ pub(super) fn contact_list<'a>(
         force: Some(vector(contact.force)),
         torque: Some(vector(contact.torque)),
         relative_velocity: Some(vector(contact.relative_velocity)),
+        patches: report.patches_of(index).iter().filter_map(patch).collect(),
     };
-    Contacts { contacts: contacts.map(contact).collect() }
+    Contacts { contacts: finite_contacts(report).map(contact).collect() }
+}
+
+/// The patch as data; none for one that is not finite.
+fn patch(patch: &PatchContact) -> Option<Patch> {
+    let vectors = [patch.centroid, patch.force, patch.torque, patch.relative_velocity];
+    let finite = patch.volume.is_finite() && patch.depth.is_finite() && vectors.iter().all(|v| v.is_finite());
+    finite.then(|| Patch {
+        volume: patch.volume.into(),
+        depth: patch.depth.into(),
+        centroid: Some(vector(patch.centroid)),
+        force: Some(vector(patch.force)),
+        torque: Some(vector(patch.torque)),
+        relative_velocity: Some(vector(patch.relative_velocity)),
+    })
 }
 
 /// The forces on the second bodies as arrows from the centroids.
 ///
 /// The entity's name never changes, so each step's arrows replace those of the step before, also by none.
-pub(super) fn force_arrows<'a>(
-    contacts: impl Iterator<Item = &'a PairContact>,
-    scale: ArrowScale,
-    time: u64,
-) -> SceneUpdate {
+pub(super) fn force_arrows(report: &StepReport, scale: ArrowScale, time: u64) -> SceneUpdate {
     let entity = SceneEntity {
         timestamp: Some(timestamp(time)),
         frame_id: WORLD_FRAME.to_owned(),
         id: "contact forces".to_owned(),
-        arrows: contacts.filter_map(|contact| arrow(contact, scale)).collect(),
+        arrows: finite_contacts(report).filter_map(|(_, contact)| arrow(contact, scale)).collect(),
         ..Default::default()
     };
     SceneUpdate { deletions: Vec::new(), entities: vec![entity] }

@@ -11,62 +11,81 @@ use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorProto, Fi
 
 /// `rapier_ist.Contacts`: all volume contacts of a step.
 #[derive(Clone, PartialEq, Message)]
-pub(super) struct Contacts {
+pub(crate) struct Contacts {
     #[prost(message, repeated, tag = "1")]
-    pub(super) contacts: Vec<Contact>,
+    pub(crate) contacts: Vec<Contact>,
 }
 
 /// `rapier_ist.Contact`: one overlapping pair, world frame, SI units.
 #[derive(Clone, PartialEq, Message)]
-pub(super) struct Contact {
+pub(crate) struct Contact {
     #[prost(string, tag = "1")]
-    pub(super) body_a: String,
+    pub(crate) body_a: String,
     #[prost(string, tag = "2")]
-    pub(super) body_b: String,
+    pub(crate) body_b: String,
     #[prost(double, tag = "3")]
-    pub(super) volume: f64,
+    pub(crate) volume: f64,
     #[prost(double, tag = "4")]
-    pub(super) depth: f64,
+    pub(crate) depth: f64,
     #[prost(message, optional, tag = "5")]
-    pub(super) centroid: Option<Vector3>,
+    pub(crate) centroid: Option<Vector3>,
     #[prost(message, optional, tag = "6")]
-    pub(super) force: Option<Vector3>,
+    pub(crate) force: Option<Vector3>,
     #[prost(message, optional, tag = "7")]
-    pub(super) torque: Option<Vector3>,
+    pub(crate) torque: Option<Vector3>,
     #[prost(message, optional, tag = "8")]
-    pub(super) relative_velocity: Option<Vector3>,
+    pub(crate) relative_velocity: Option<Vector3>,
+    #[prost(message, repeated, tag = "9")]
+    pub(crate) patches: Vec<Patch>,
+}
+
+/// `rapier_ist.Patch`: the part of a contact that pushes in about the same direction, world frame, SI units.
+#[derive(Clone, PartialEq, Message)]
+pub(crate) struct Patch {
+    #[prost(double, tag = "1")]
+    pub(crate) volume: f64,
+    #[prost(double, tag = "2")]
+    pub(crate) depth: f64,
+    #[prost(message, optional, tag = "3")]
+    pub(crate) centroid: Option<Vector3>,
+    #[prost(message, optional, tag = "4")]
+    pub(crate) force: Option<Vector3>,
+    #[prost(message, optional, tag = "5")]
+    pub(crate) torque: Option<Vector3>,
+    #[prost(message, optional, tag = "6")]
+    pub(crate) relative_velocity: Option<Vector3>,
 }
 
 /// `rapier_ist.Metrics`: sums over the world after a step, SI units.
 #[derive(Clone, PartialEq, Message)]
-pub(super) struct Metrics {
+pub(crate) struct Metrics {
     #[prost(uint64, tag = "1")]
-    pub(super) step: u64,
+    pub(crate) step: u64,
     #[prost(double, tag = "2")]
-    pub(super) kinetic_energy: f64,
+    pub(crate) kinetic_energy: f64,
     #[prost(double, tag = "3")]
-    pub(super) potential_energy: f64,
+    pub(crate) potential_energy: f64,
     #[prost(double, tag = "4")]
-    pub(super) deepest_overlap: f64,
+    pub(crate) deepest_overlap: f64,
     #[prost(double, tag = "5")]
-    pub(super) overlap_volume: f64,
+    pub(crate) overlap_volume: f64,
     #[prost(uint32, tag = "6")]
-    pub(super) contact_count: u32,
+    pub(crate) contact_count: u32,
     #[prost(uint32, tag = "7")]
-    pub(super) awake_bodies: u32,
+    pub(crate) awake_bodies: u32,
     #[prost(message, optional, tag = "8")]
-    pub(super) timings: Option<Timings>,
+    pub(crate) timings: Option<Timings>,
 }
 
 /// `rapier_ist.Timings`: wall times of a step.
 #[derive(Clone, PartialEq, Message)]
-pub(super) struct Timings {
+pub(crate) struct Timings {
     #[prost(double, tag = "1")]
-    pub(super) query_ms: f64,
+    pub(crate) query_ms: f64,
     #[prost(double, tag = "2")]
-    pub(super) solve_ms: f64,
+    pub(crate) solve_ms: f64,
     #[prost(double, tag = "3")]
-    pub(super) step_ms: f64,
+    pub(crate) step_ms: f64,
 }
 
 const CONTACTS: &str = "rapier_ist.Contacts";
@@ -123,6 +142,18 @@ fn descriptors() -> Vec<DescriptorProto> {
             &[
                 ("body_a", Text),
                 ("body_b", Text),
+                ("volume", Double),
+                ("depth", Double),
+                ("centroid", One(VECTOR)),
+                ("force", One(VECTOR)),
+                ("torque", One(VECTOR)),
+                ("relative_velocity", One(VECTOR)),
+                ("patches", Many(".rapier_ist.Patch")),
+            ],
+        ),
+        message(
+            "Patch",
+            &[
                 ("volume", Double),
                 ("depth", Double),
                 ("centroid", One(VECTOR)),
@@ -217,6 +248,14 @@ mod tests {
     #[test]
     fn structs_and_schema_agree() {
         let vector = Some(Vector3 { x: 1.0, y: 2.0, z: 3.0 });
+        let patch = Patch {
+            volume: 1.0,
+            depth: 1.0,
+            centroid: vector,
+            force: vector,
+            torque: vector,
+            relative_velocity: vector,
+        };
         let contact = Contact {
             body_a: "a".into(),
             body_b: "b".into(),
@@ -226,6 +265,7 @@ mod tests {
             force: vector,
             torque: vector,
             relative_velocity: vector,
+            patches: vec![patch.clone()],
         };
         let timings = Timings { query_ms: 1.0, solve_ms: 1.0, step_ms: 1.0 };
         let metrics = Metrics {
@@ -239,6 +279,7 @@ mod tests {
             timings: Some(timings.clone()),
         };
         assert_eq!(wire(&contact), schema("Contact"));
+        assert_eq!(wire(&patch), schema("Patch"));
         assert_eq!(wire(&timings), schema("Timings"));
         assert_eq!(wire(&metrics), schema("Metrics"));
         assert_eq!(wire(&Contacts { contacts: vec![contact] }), schema("Contacts"));

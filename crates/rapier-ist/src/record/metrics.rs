@@ -1,7 +1,7 @@
 //! Energies and overlaps of the whole world.
 
 use super::messages::{Metrics, Timings};
-use crate::{PairContact, StepReport};
+use crate::StepReport;
 use rapier3d::dynamics::RigidBody;
 use rapier3d::pipeline::PhysicsWorld;
 
@@ -10,13 +10,13 @@ pub(super) fn metrics(world: &PhysicsWorld, report: &StepReport, step: u64) -> M
     let dynamic = || world.bodies.iter().map(|(_, body)| body).filter(|body| body.is_dynamic());
     let sum =
         |energy: &dyn Fn(&RigidBody) -> f64| -> f64 { dynamic().map(energy).filter(|e| e.is_finite()).sum() };
-    let contacts = || report.contacts.iter().filter(|contact| super::contacts::is_finite(contact));
+    let contacts = || super::contacts::finite_contacts(report).map(|(_, contact)| contact);
     Metrics {
         step,
         kinetic_energy: sum(&|body| body.kinetic_energy().into()),
         potential_energy: sum(&|body| potential_energy(world, body)),
         deepest_overlap: contacts().map(|contact| f64::from(contact.depth)).fold(0.0, f64::max),
-        overlap_volume: contacts().map(|contact: &PairContact| f64::from(contact.volume)).sum(),
+        overlap_volume: contacts().map(|contact| f64::from(contact.volume)).sum(),
         contact_count: contacts().count() as u32,
         awake_bodies: dynamic().filter(|body| !body.is_sleeping()).count() as u32,
         timings: None,

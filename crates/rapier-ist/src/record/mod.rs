@@ -33,7 +33,7 @@
 //! | `/scene` | `foxglove.SceneUpdate` | when a body is described or removed: all meshes, in body frames |
 //! | `/NAME/spheres` | `foxglove.PointCloud` | once per body with a packing: centres and radii (m) |
 //! | `/scene/contacts` | `foxglove.SceneUpdate` | every recorded step: force arrows |
-//! | `/contacts` | `rapier_ist.Contacts` | every recorded step: overlap volume, depth, force, torque |
+//! | `/contacts` | `rapier_ist.Contacts` | every recorded step: overlap volume, depth, force, torque of each pair and of its patches |
 //! | `/metrics` | `rapier_ist.Metrics` | every recorded step: energies, deepest overlap |
 //! | `/log` | `foxglove.Log` | start, end, and what went wrong in between |
 //!
@@ -44,11 +44,15 @@
 //! Viewers draw z upwards. The frame `map` is theirs; `world`, Rapier's, stands in it as
 //! [`RecordOptions::up`] says.
 
+mod background;
 mod body;
 mod contacts;
 mod convert;
 mod error;
-mod messages;
+#[cfg(test)]
+mod fault_tests;
+mod file;
+pub(crate) mod messages;
 mod metrics;
 mod names;
 mod options;
@@ -56,6 +60,8 @@ mod poses;
 mod recorder;
 mod scene;
 mod sink;
+#[cfg(test)]
+pub(crate) mod test_scene;
 #[cfg(test)]
 mod tests;
 
@@ -65,6 +71,10 @@ pub use options::{ChunkCompression, RecordOptions, UpAxis};
 pub use recorder::{RecordStatistics, Recorder};
 
 /// The frame of Rapier's coordinates.
-const WORLD_FRAME: &str = "world";
+pub(crate) const WORLD_FRAME: &str = "world";
 /// The frame that viewers start from: fixed and z-up, after ROS REP 105.
-const ROOT_FRAME: &str = "map";
+pub(crate) const ROOT_FRAME: &str = "map";
+/// In the metadata of a channel with spheres: the attachment with the packing.
+pub(crate) const PACKING_KEY: &str = "packing";
+/// In the metadata of a channel with spheres: the body's size relative to the packing.
+pub(crate) const SCALE_KEY: &str = "scale";

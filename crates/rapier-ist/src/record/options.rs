@@ -36,6 +36,7 @@ pub struct RecordOptions {
     pub(super) contacts: bool,
     pub(super) packings: bool,
     pub(super) timings: bool,
+    pub(super) background: bool,
     pub(super) every: u64,
     pub(super) up: UpAxis,
     pub(super) chunk_size: u64,
@@ -52,9 +53,10 @@ impl RecordOptions {
             contacts: false,
             packings: false,
             timings: false,
+            background: false,
             every: 1,
             up: UpAxis::default(),
-            // The format's own default; a killed run loses at most this much.
+            // The format's own default.
             chunk_size: 1 << 20,
             compression: ChunkCompression::default(),
             arrow_length_per_newton: None,
@@ -88,8 +90,8 @@ impl RecordOptions {
         self
     }
 
-    /// Bytes per chunk before compression. Smaller chunks lose less when a run is killed, larger ones compress
-    /// better.
+    /// Bytes after which a chunk ends, before compression. What a killed run loses is the chunk that it was filling:
+    /// smaller chunks lose less, larger ones compress better. 0 makes a chunk of every message.
     #[must_use]
     pub fn chunk_size(mut self, bytes: u64) -> Self {
         self.chunk_size = bytes;
@@ -115,6 +117,17 @@ impl RecordOptions {
     #[must_use]
     pub fn timings(mut self, on: bool) -> Self {
         self.timings = on;
+        self
+    }
+
+    /// Compress and write on a thread of its own, for [`Recorder::create`](super::Recorder::create) and
+    /// [`Recorder::new_send`](super::Recorder::new_send). The file's bytes are the same. Off by default.
+    ///
+    /// A step then only encodes its messages, and waits where 64 of them are still to be written. An error reaches
+    /// the caller some steps after it happened, at the latest in [`Recorder::finish`](super::Recorder::finish).
+    #[must_use]
+    pub fn background(mut self, on: bool) -> Self {
+        self.background = on;
         self
     }
 

@@ -7,13 +7,18 @@ use rapier3d::dynamics::{RigidBodyHandle, RigidBodySet};
 use rapier3d::math::{Pose, Rotation, Vector};
 use std::f32::consts::FRAC_PI_2;
 
+/// The described bodies and the message with their poses, which is filled anew at each step and keeps its memory.
+pub(super) struct Poses {
+    bodies: Vec<TrackedBody>,
+    /// The frame that puts the world upright, then one transform per body that is in the world.
+    message: FrameTransforms,
+}
+
 /// A described body.
-pub(super) struct TrackedBody {
-    pub(super) handle: RigidBodyHandle,
+struct TrackedBody {
+    handle: RigidBodyHandle,
     /// Its frame.
-    pub(super) name: String,
-    /// Its last finite pose.
-    pose: Pose,
+    name: String,
     state: State,
 }
 
@@ -26,6 +31,7 @@ enum State {
 }
 
 /// What the log should say about a body's pose.
+#[derive(Clone, Copy)]
 pub(super) enum PoseEvent {
     /// It stopped being a number; the last finite one is kept.
     NotFinite,
@@ -33,54 +39,81 @@ pub(super) enum PoseEvent {
     Removed,
 }
 
-impl TrackedBody {
-    pub(super) fn new(handle: RigidBodyHandle, name: String) -> Self {
-        Self { handle, name, pose: Pose::IDENTITY, state: State::Present }
-    }
-
-    pub(super) fn is_removed(&self) -> bool {
-        self.state == State::Removed
-    }
-
-    /// Takes over the body's pose; returns what is notable about it, once.
-    pub(super) fn follow(&mut self, bodies: &RigidBodySet) -> Option<PoseEvent> {
-        if self.is_removed() {
-            return None;
-        }
-        let Some(body) = bodies.get(self.handle) else {
-            self.state = State::Removed;
-            return Some(PoseEvent::Removed);
+impl Poses {
+    pub(super) fn new(up: UpAxis) -> Self {
+        // Viewers draw z upwards. The axis is said in every message, since they may start to read anywhere.
+        let upright = match up {
+            UpAxis::Y => Rotation::from_rotation_x(FRAC_PI_2),
+            UpAxis::Z => Rotation::IDENTITY,
         };
-        let pose = *body.position();
-        // A zero quaternion is finite and no rotation.
-        if pose.translation.is_finite() && pose.rotation.is_finite() && pose.rotation.length_squared() > 0.5 {
-            self.pose = pose;
-            self.state = State::Present;
-            return None;
+        let root = transform(ROOT_FRAME, WORLD_FRAME, &Pose::from_parts(Vector::ZERO, upright));
+        Self { bodies: Vec::new(), message: FrameTransforms { transforms: vec![root] } }
+    }
+
+    /// Follows one more body.
+    pub(super) fn add(&mut self, handle: RigidBodyHandle, name: &str) {
+        self.bodies.push(TrackedBody { handle, name: name.to_owned(), state: State::Present });
+        self.message.transforms.push(transform(WORLD_FRAME, name, &Pose::IDENTITY));
+    }
+
+    /// Number of bodies that have been added.
+    pub(super) fn len(&self) -> usize {
+        self.bodies.len()
+    }
+
+    /// Name of body number `index`.
+    pub(super) fn name(&self, index: usize) -> &str {
+        self.bodies.get(index).map_or("", |body| &body.name)
+    }
+
+    /// Takes over the poses at `time` (ns); tells what is notable about them, once each.
+    pub(super) fn follow(&mut self, bodies: &RigidBodySet, time: u64) -> Vec<(PoseEvent, String)> {
+        let mut events = Vec::new();
+        let present = self.bodies.iter_mut().filter(|body| body.state != State::Removed);
+        let Some((root, transforms)) = self.message.transforms.split_first_mut() else { return events };
+        root.timestamp = Some(timestamp(time));
+        for (body, transform) in present.zip(transforms) {
+            transform.timestamp = Some(timestamp(time));
+            let before = body.state;
+            body.state = match bodies.get(body.handle).map(|body| body.position()) {
+                Some(pose) if is_rigid(pose) => {
+                    transform.translation = Some(vector(pose.translation));
+                    transform.rotation = Some(quaternion(pose.rotation));
+                    State::Present
+                }
+                Some(_) => State::NotFinite,
+                None => State::Removed,
+            };
+            let event = match body.state {
+                State::NotFinite if before == State::Present => PoseEvent::NotFinite,
+                State::Removed => PoseEvent::Removed,
+                _ => continue,
+            };
+            events.push((event, body.name.clone()));
         }
-        let news = self.state == State::Present;
-        self.state = State::NotFinite;
-        news.then_some(PoseEvent::NotFinite)
+        for (_, gone) in events.iter().filter(|(event, _)| matches!(event, PoseEvent::Removed)) {
+            self.message.transforms.retain(|transform| transform.child_frame_id != *gone);
+        }
+        events
+    }
+
+    /// The transforms of all bodies that are in the world, as [`Self::follow`] found them.
+    pub(super) fn message(&self) -> &FrameTransforms {
+        &self.message
     }
 }
 
-/// The transforms of all bodies that are in the world, and the frame that puts the world upright.
-pub(super) fn frame_transforms(bodies: &[TrackedBody], up: UpAxis, time: u64) -> FrameTransforms {
-    let transform = |parent: &str, child: &str, pose: &Pose| FrameTransform {
-        timestamp: Some(timestamp(time)),
+/// Whether the pose is one. A zero quaternion is finite and no rotation.
+fn is_rigid(pose: &Pose) -> bool {
+    pose.translation.is_finite() && pose.rotation.is_finite() && pose.rotation.length_squared() > 0.5
+}
+
+fn transform(parent: &str, child: &str, pose: &Pose) -> FrameTransform {
+    FrameTransform {
+        timestamp: None,
         parent_frame_id: parent.to_owned(),
         child_frame_id: child.to_owned(),
         translation: Some(vector(pose.translation)),
         rotation: Some(quaternion(pose.rotation)),
-    };
-    // Viewers draw z upwards. The axis is said in every message, since they may start to read anywhere.
-    let upright = match up {
-        UpAxis::Y => Rotation::from_rotation_x(FRAC_PI_2),
-        UpAxis::Z => Rotation::IDENTITY,
-    };
-    let root = transform(ROOT_FRAME, WORLD_FRAME, &Pose::from_parts(Vector::ZERO, upright));
-    let present = bodies.iter().filter(|body| !body.is_removed());
-    let transforms =
-        std::iter::once(root).chain(present.map(|body| transform(WORLD_FRAME, &body.name, &body.pose)));
-    FrameTransforms { transforms: transforms.collect() }
+    }
 }

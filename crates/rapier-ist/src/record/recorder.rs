@@ -1,23 +1,27 @@
 //! The recorder.
 
-use super::contacts::{ArrowScale, contact_list, force_arrows, is_finite};
+use super::contacts::{ArrowScale, contact_list, finite_contacts, force_arrows};
 use super::convert::timestamp;
 use super::metrics::{metrics, timings};
 use super::names::Names;
-use super::poses::{PoseEvent, TrackedBody, frame_transforms};
+use super::poses::{PoseEvent, Poses};
 use super::scene::Scene;
 use super::sink::Sink;
-use super::{BodyDescription, RecordError, RecordOptions};
+use super::{BodyDescription, PACKING_KEY, RecordError, RecordOptions, SCALE_KEY};
 use crate::StepReport;
 use foxglove::messages::Log;
+use foxglove::messages::PointCloud;
 use foxglove::messages::log::Level;
-use rapier3d::dynamics::RigidBodyHandle;
+use rapier3d::dynamics::{RigidBody, RigidBodyHandle};
 use rapier3d::geometry::ColliderHandle;
 use rapier3d::pipeline::PhysicsWorld;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
 use std::io::{BufWriter, Seek, Write};
 use std::path::Path;
+
+/// How errors name a writer that has no path.
+const GIVEN_WRITER: &str = "the given writer";
 
 /// Writes a simulation into an MCAP file, step by step.
 ///
@@ -27,12 +31,13 @@ pub struct Recorder<W: Write + Seek> {
     sink: Sink<W>,
     options: RecordOptions,
     names: Names,
-    bodies: Vec<TrackedBody>,
+    poses: Poses,
     body_index: HashMap<RigidBodyHandle, usize>,
     /// Sum of the radii of the described bodies (m) and how many have one.
     radii: (f64, u32),
     scene: Scene,
-    attached: HashSet<Vec<u8>>,
+    /// Names of the attached packings by their content.
+    attached: HashMap<Vec<u8>, String>,
     arrow_scale: Option<ArrowScale>,
     /// Time of the last step (ns).
     time: u64,
@@ -63,28 +68,46 @@ impl Recorder<BufWriter<File>> {
     pub fn create(path: impl AsRef<Path>, options: RecordOptions) -> Result<Self, RecordError> {
         let path = path.as_ref();
         let file = File::create(path).map_err(|source| RecordError::Create { path: path.into(), source })?;
-        Self::start(BufWriter::new(file), path.display().to_string(), options)
+        Self::start_send(BufWriter::new(file), path.display().to_string(), options)
+    }
+}
+
+impl<W: Write + Seek + Send + 'static> Recorder<W> {
+    /// As [`Recorder::new`], for a writer that can move to the thread that [`RecordOptions::background`] asks for.
+    ///
+    /// # Errors
+    /// [`RecordError::Write`] where the writer fails or there can be no thread.
+    pub fn new_send(writer: W, options: RecordOptions) -> Result<Self, RecordError> {
+        Self::start_send(writer, GIVEN_WRITER.into(), options)
+    }
+
+    fn start_send(writer: W, target: String, options: RecordOptions) -> Result<Self, RecordError> {
+        let sink = match options.background {
+            true => Sink::background(writer, target, &options)?,
+            false => Sink::new(writer, target, &options)?,
+        };
+        Self::start(sink, options)
     }
 }
 
 impl<W: Write + Seek> Recorder<W> {
-    /// Records into `writer`.
+    /// Records into `writer`, on the calling thread whatever [`RecordOptions::background`] says.
     ///
     /// # Errors
     /// [`RecordError::Write`] where the writer fails.
     pub fn new(writer: W, options: RecordOptions) -> Result<Self, RecordError> {
-        Self::start(writer, "the given writer".into(), options)
+        Self::start(Sink::new(writer, GIVEN_WRITER.into(), &options)?, options)
     }
 
-    fn start(writer: W, target: String, options: RecordOptions) -> Result<Self, RecordError> {
+    fn start(sink: Sink<W>, options: RecordOptions) -> Result<Self, RecordError> {
         let mut recorder = Self {
-            sink: Sink::new(writer, target, &options)?,
+            sink,
             names: Names::default(),
-            bodies: Vec::new(),
+            poses: Poses::new(options.up),
             body_index: HashMap::new(),
             radii: (0.0, 0),
             scene: Scene::default(),
-            attached: HashSet::new(),
+            attached: HashMap::new(),
             arrow_scale: None,
             time: 0,
             started: false,
@@ -108,9 +131,9 @@ impl<W: Write + Seek> Recorder<W> {
         body.check()?;
         if self.body_index.contains_key(&body.handle) {
             let what = "this body has been described already; describe every body once";
-            return Err(RecordError::Body { name: body.name.to_owned(), what });
+            return Err(RecordError::Body { name: body.name.to_string(), what });
         }
-        let name = self.names.unique(body.name);
+        let name = self.names.unique(&body.name);
         if let Some(entity) = body.entity(&name, self.time) {
             self.scene.add(entity);
         }
@@ -121,23 +144,52 @@ impl<W: Write + Seek> Recorder<W> {
         if radius > 0.0 {
             self.radii = (self.radii.0 + radius, self.radii.1 + 1);
         }
-        self.body_index.insert(body.handle, self.bodies.len());
-        self.bodies.push(TrackedBody::new(body.handle, name.clone()));
+        self.body_index.insert(body.handle, self.poses.len());
+        self.poses.add(body.handle, &name);
         Ok(name)
     }
 
-    /// The packing as points, and as a file unless an equal one is attached already.
+    /// Describes every body of `world` that has not been described yet, in the order of the world's set, as
+    /// `describe` says; a body for which it says `None` is left out. Returns how many were described. To be called
+    /// again when bodies have been added.
+    ///
+    /// # Errors
+    /// As [`Self::add_body`], at the first body that has one; those before are described.
+    pub fn add_bodies<'a>(
+        &mut self,
+        world: &PhysicsWorld,
+        mut describe: impl FnMut(RigidBodyHandle, &RigidBody) -> Option<BodyDescription<'a>>,
+    ) -> Result<usize, RecordError> {
+        let before = self.poses.len();
+        for (handle, body) in world.bodies.iter() {
+            let known = self.body_index.contains_key(&handle);
+            if let Some(description) = (!known).then(|| describe(handle, body)).flatten() {
+                self.add_body(&description)?;
+            }
+        }
+        Ok(self.poses.len() - before)
+    }
+
+    /// The packing as points, and as a file unless an equal one is attached already. The channel of the points says
+    /// which file it is.
     fn write_packing(&mut self, body: &BodyDescription, name: &str) -> Result<(), RecordError> {
         let Some(packing) = body.spheres else { return Ok(()) };
-        if let Some(cloud) = body.point_cloud(name, self.time) {
-            self.sink.write(&format!("/{name}/spheres"), self.time, &cloud)?;
-        }
         let bytes = packing.to_bytes();
-        if !self.attached.contains(&bytes) {
-            self.sink.attach(format!("{name}.ist"), self.time, &bytes)?;
-            self.attached.insert(bytes);
-        }
-        Ok(())
+        let file = match self.attached.get(&bytes) {
+            Some(file) => file.clone(),
+            None => {
+                let file = format!("{name}.ist");
+                self.sink.attach(file.clone(), self.time, bytes.clone())?;
+                self.attached.insert(bytes, file.clone());
+                file
+            }
+        };
+        let Some(cloud) = body.point_cloud(name, self.time) else { return Ok(()) };
+        let topic = format!("/{name}/spheres");
+        let metadata =
+            BTreeMap::from([(PACKING_KEY.into(), file), (SCALE_KEY.into(), body.scale.to_string())]);
+        self.sink.add_channel::<PointCloud>(&topic, metadata)?;
+        self.sink.write(&topic, self.time, &cloud)
     }
 
     /// Records the poses before the first step, at time 0; later calls do nothing.
@@ -149,7 +201,8 @@ impl<W: Write + Seek> Recorder<W> {
             return Ok(());
         }
         self.write_start(world)?;
-        self.write_poses(world)
+        self.write_poses(world)?;
+        self.sink.flush()
     }
 
     /// Records the world after a step, with what the step reported.
@@ -161,6 +214,8 @@ impl<W: Write + Seek> Recorder<W> {
     pub fn record(&mut self, world: &PhysicsWorld, report: &StepReport) -> Result<(), RecordError> {
         if !self.started {
             self.write_start(world)?;
+            self.write_scene()?;
+            self.sink.flush()?;
         }
         self.time = self.time.saturating_add(step_nanoseconds(world));
         self.statistics.steps += 1;
@@ -197,31 +252,27 @@ impl<W: Write + Seek> Recorder<W> {
         ]);
         self.sink.metadata("simulation", metadata)?;
         self.arrow_scale = Some(self.arrow_scale(world));
-        self.log(Level::Info, format!("start with {} bodies", self.bodies.len()))
+        self.log(Level::Info, format!("start with {} bodies", self.poses.len()))
     }
 
     fn write_poses(&mut self, world: &PhysicsWorld) -> Result<(), RecordError> {
-        let mut notable = Vec::new();
-        for body in &mut self.bodies {
-            match body.follow(&world.bodies) {
-                Some(PoseEvent::Removed) => {
-                    self.scene.remove(&body.name);
-                    notable.push((Level::Info, format!("{} left the world", body.name)));
+        for (event, name) in self.poses.follow(&world.bodies, self.time) {
+            match event {
+                PoseEvent::Removed => {
+                    self.scene.remove(&name);
+                    self.log(Level::Info, format!("{name} left the world"))?;
                 }
-                Some(PoseEvent::NotFinite) => {
+                PoseEvent::NotFinite => {
                     self.statistics.poses_refused += 1;
-                    let text = format!("the pose of {} is not finite; its last one is kept", body.name);
-                    notable.push((Level::Error, text));
+                    self.log(
+                        Level::Error,
+                        format!("the pose of {name} is not finite; its last one is kept"),
+                    )?;
                 }
-                None => {}
             }
         }
-        for (level, text) in notable {
-            self.log(level, text)?;
-        }
         self.write_scene()?;
-        let transforms = frame_transforms(&self.bodies, self.options.up, self.time);
-        self.sink.write("/tf", self.time, &transforms)
+        self.sink.write("/tf", self.time, self.poses.message())
     }
 
     fn write_scene(&mut self) -> Result<(), RecordError> {
@@ -232,16 +283,16 @@ impl<W: Write + Seek> Recorder<W> {
     }
 
     fn write_contacts(&mut self, world: &PhysicsWorld, report: &StepReport) -> Result<(), RecordError> {
-        let contacts = || report.contacts.iter().filter(|contact| is_finite(contact));
+        let contacts = || finite_contacts(report);
         let refused = (report.contacts.len() - contacts().count()) as u64;
         if refused > 0 {
             self.statistics.contacts_refused += refused;
             self.log(Level::Error, format!("{refused} contacts are not finite and left out"))?;
         }
-        let list = contact_list(contacts(), |collider| self.collider_name(world, collider));
+        let list = contact_list(report, |collider| self.collider_name(world, collider));
         self.sink.write("/contacts", self.time, &list)?;
         let scale = self.arrow_scale.unwrap_or_else(|| self.arrow_scale(world));
-        self.sink.write("/scene/contacts", self.time, &force_arrows(contacts(), scale, self.time))?;
+        self.sink.write("/scene/contacts", self.time, &force_arrows(report, scale, self.time))?;
         let mut sums = metrics(world, report, self.statistics.steps);
         sums.timings = self.options.timings.then(|| timings(report));
         self.sink.write("/metrics", self.time, &sums)
@@ -262,7 +313,7 @@ impl<W: Write + Seek> Recorder<W> {
     fn collider_name(&self, world: &PhysicsWorld, collider: ColliderHandle) -> String {
         let parent = world.colliders.get(collider).and_then(|collider| collider.parent());
         match parent.and_then(|body| self.body_index.get(&body)) {
-            Some(&index) => self.bodies[index].name.clone(),
+            Some(&index) => self.poses.name(index).to_owned(),
             None => format!("collider_{}", collider.into_raw_parts().0),
         }
     }

@@ -1,44 +1,51 @@
-//! The MCAP file: channels, metadata and attachments.
+//! Where messages go: to the file, here or on another thread, one protobuf channel per topic.
 
-use super::{ChunkCompression, RecordError, RecordOptions};
+use super::background::Background;
+use super::file::{Channel, Entry, McapFile, Written};
+use super::{RecordError, RecordOptions};
 use foxglove::Encode;
-use mcap::records::{MessageHeader, Metadata};
+use mcap::records::Metadata;
 use std::collections::{BTreeMap, HashMap};
 use std::io::{self, Seek, Write};
 
-/// Written into the header instead of the mcap crate's own version, so that updating it does not change files.
-const LIBRARY: &str = concat!("rapier-ist ", env!("CARGO_PKG_VERSION"));
-
-/// An MCAP file being written, one protobuf channel per topic.
+/// Encodes messages and passes them on. After an error it only repeats it.
 pub(super) struct Sink<W: Write + Seek> {
-    writer: mcap::Writer<W>,
-    channels: HashMap<String, u16>,
-    message: Vec<u8>,
+    output: Output<W>,
+    /// Indices of the channels by topic.
+    channels: HashMap<String, usize>,
+    /// The buffer of the last message that was written here.
+    spare: Vec<u8>,
     target: String,
+    failure: Option<(io::ErrorKind, String)>,
 }
 
-/// What a finished file holds.
-pub(super) struct Written {
-    pub(super) messages: u64,
-    pub(super) bytes: u64,
+enum Output<W: Write + Seek> {
+    Here(Box<McapFile<W>>),
+    Background(Background),
 }
 
 impl<W: Write + Seek> Sink<W> {
+    /// Writes on the calling thread.
     pub(super) fn new(writer: W, target: String, options: &RecordOptions) -> Result<Self, RecordError> {
-        let write_options = mcap::WriteOptions::new()
-            .library(LIBRARY)
-            .chunk_size(Some(options.chunk_size))
-            // Compression on threads of its own would cut the stream where the threads happen to be.
-            .compression_threads(0)
-            .compression(match options.compression {
-                ChunkCompression::None => None,
-                ChunkCompression::Lz4 => Some(mcap::Compression::Lz4),
-                ChunkCompression::Zstd => Some(mcap::Compression::Zstd),
-            });
-        match write_options.create(writer) {
-            Ok(writer) => Ok(Self { writer, channels: HashMap::new(), message: Vec::new(), target }),
-            Err(error) => Err(RecordError::Write { target, source: io_error(error) }),
+        match McapFile::new(writer, options) {
+            Ok(file) => Ok(Self::with_output(Output::Here(Box::new(file)), target)),
+            Err(source) => Err(RecordError::Write { target, source }),
         }
+    }
+
+    /// Writes on a thread of its own.
+    pub(super) fn background(writer: W, target: String, options: &RecordOptions) -> Result<Self, RecordError>
+    where
+        W: Send + 'static,
+    {
+        match McapFile::new(writer, options).and_then(Background::spawn) {
+            Ok(background) => Ok(Self::with_output(Output::Background(background), target)),
+            Err(source) => Err(RecordError::Write { target, source }),
+        }
+    }
+
+    fn with_output(output: Output<W>, target: String) -> Self {
+        Self { output, channels: HashMap::new(), spare: Vec::new(), target, failure: None }
     }
 
     /// Writes a message at `time` (ns), which must not lie before that of the message before.
@@ -48,29 +55,35 @@ impl<W: Write + Seek> Sink<W> {
         time: u64,
         message: &M,
     ) -> Result<(), RecordError> {
-        self.try_write(topic, time, message)
-            .map_err(|source| RecordError::Write { target: self.target.clone(), source })
-    }
-
-    fn try_write<M: Encode>(&mut self, topic: &str, time: u64, message: &M) -> io::Result<()> {
-        let channel_id = match self.channels.get(topic) {
-            Some(&id) => id,
-            None => self.add_channel::<M>(topic)?,
+        let channel = match self.channels.get(topic) {
+            Some(&channel) => channel,
+            None => self.add_channel::<M>(topic, BTreeMap::new())?,
         };
-        self.message.clear();
-        message.encode(&mut self.message).map_err(|error| io::Error::other(error.to_string()))?;
-        let header = MessageHeader { channel_id, sequence: 0, log_time: time, publish_time: time };
-        self.writer.write_to_known_channel(&header, &self.message).map_err(io_error)
+        let mut data = match &self.output {
+            Output::Here(_) => std::mem::take(&mut self.spare),
+            Output::Background(background) => background.spare_buffer().unwrap_or_default(),
+        };
+        data.clear();
+        if let Err(error) = message.encode(&mut data) {
+            return Err(self.fail(&io::Error::other(error.to_string())));
+        }
+        self.put(Entry::Message { channel, time, data })
     }
 
-    fn add_channel<M: Encode>(&mut self, topic: &str) -> io::Result<u16> {
-        let schema = M::get_schema().ok_or_else(|| io::Error::other("a message without schema"))?;
-        let schema =
-            self.writer.add_schema(&schema.name, &schema.encoding, &schema.data).map_err(io_error)?;
+    /// Opens the channel of a topic that says more about itself than its messages do.
+    pub(super) fn add_channel<M: Encode>(
+        &mut self,
+        topic: &str,
+        metadata: BTreeMap<String, String>,
+    ) -> Result<usize, RecordError> {
+        let Some(schema) = M::get_schema() else {
+            return Err(self.fail(&io::Error::other("a message without schema")));
+        };
         let encoding = M::get_message_encoding();
-        let id = self.writer.add_channel(schema, topic, &encoding, &BTreeMap::new()).map_err(io_error)?;
-        self.channels.insert(topic.to_owned(), id);
-        Ok(id)
+        self.put(Entry::Channel(Channel { topic: topic.to_owned(), schema, encoding, metadata }))?;
+        let index = self.channels.len();
+        self.channels.insert(topic.to_owned(), index);
+        Ok(index)
     }
 
     pub(super) fn metadata(
@@ -78,40 +91,56 @@ impl<W: Write + Seek> Sink<W> {
         name: &str,
         metadata: BTreeMap<String, String>,
     ) -> Result<(), RecordError> {
-        let record = Metadata { name: name.to_owned(), metadata };
-        self.writer.write_metadata(&record).map_err(|error| self.error(error))
+        self.put(Entry::Metadata(Metadata { name: name.to_owned(), metadata }))
     }
 
-    pub(super) fn attach(&mut self, name: String, time: u64, data: &[u8]) -> Result<(), RecordError> {
-        let attachment = mcap::Attachment {
-            log_time: time,
-            create_time: time,
-            name,
-            media_type: "application/octet-stream".into(),
-            data: data.into(),
-        };
-        self.writer.attach(&attachment).map_err(|error| self.error(error))
+    pub(super) fn attach(&mut self, name: String, time: u64, data: Vec<u8>) -> Result<(), RecordError> {
+        self.put(Entry::Attachment { name, time, data })
+    }
+
+    /// Makes what was written so far survive the end of the process.
+    pub(super) fn flush(&mut self) -> Result<(), RecordError> {
+        self.put(Entry::Flush)
     }
 
     /// Writes the summary and hands everything to the operating system.
-    pub(super) fn finish(mut self) -> Result<Written, RecordError> {
-        let summary = self.writer.finish().map_err(|error| self.error(error))?;
-        let mut inner = self.writer.into_inner();
-        let flushed = inner.flush().and_then(|()| inner.stream_position());
-        let bytes = flushed.map_err(|source| RecordError::Write { target: self.target, source })?;
-        Ok(Written { messages: summary.stats.map_or(0, |stats| stats.message_count), bytes })
+    pub(super) fn finish(self) -> Result<Written, RecordError> {
+        if self.failure.is_some() {
+            return Err(self.failure());
+        }
+        let Self { output, target, .. } = self;
+        let written = match output {
+            Output::Here(file) => file.finish(),
+            Output::Background(mut background) => background.join(),
+        };
+        written.map_err(|source| RecordError::Write { target, source })
     }
 
-    fn error(&self, error: mcap::McapError) -> RecordError {
-        RecordError::Write { target: self.target.clone(), source: io_error(error) }
+    fn put(&mut self, entry: Entry) -> Result<(), RecordError> {
+        if self.failure.is_some() {
+            return Err(self.failure());
+        }
+        let put = match &mut self.output {
+            Output::Here(file) => {
+                let put = file.put(&entry);
+                if let Entry::Message { data, .. } = entry {
+                    self.spare = data;
+                }
+                put
+            }
+            Output::Background(background) => background.put(entry),
+        };
+        put.map_err(|error| self.fail(&error))
     }
-}
 
-/// The mcap crate stays out of the public errors: what remains of its own are I/O errors and states that this
-/// module does not get into.
-fn io_error(error: mcap::McapError) -> io::Error {
-    match error {
-        mcap::McapError::Io(error) => error,
-        other => io::Error::other(other.to_string()),
+    /// Remembers an error. A file that lacks something in between must not go on.
+    fn fail(&mut self, error: &io::Error) -> RecordError {
+        self.failure = Some((error.kind(), error.to_string()));
+        self.failure()
+    }
+
+    fn failure(&self) -> RecordError {
+        let (kind, text) = self.failure.clone().unwrap_or((io::ErrorKind::Other, String::new()));
+        RecordError::Write { target: self.target.clone(), source: io::Error::new(kind, text) }
     }
 }

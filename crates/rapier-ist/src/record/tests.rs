@@ -1,83 +1,12 @@
 //! Recordings are read back with the mcap crate's own reader and decoded from their bytes.
 
 use super::messages::{Contacts, Metrics};
+use super::test_scene::{Fall, STEPS, TRIANGLE, recording};
 use super::*;
-use crate::{ContactState, PairContact, StepReport};
 use foxglove::messages::{FrameTransforms, Log, PointCloud, SceneUpdate};
-use ist::{InnerSphere, SolidProperties, SpherePacking};
 use prost::Message;
 use rapier3d::prelude::*;
-use std::io::{Cursor, Seek, Write};
-
-const TRIANGLE: ([Vector; 3], [[u32; 3]; 1]) = ([Vector::ZERO, Vector::X, Vector::Y], [[0, 1, 2]]);
-const STEPS: u32 = 30;
-
-/// Two described balls, one above the other, falling.
-struct Fall {
-    world: PhysicsWorld,
-    bodies: [RigidBodyHandle; 2],
-    colliders: [ColliderHandle; 2],
-    packing: SpherePacking,
-}
-
-impl Fall {
-    fn new() -> Self {
-        let mut world = PhysicsWorld::new();
-        let inserted = [0.0, 1.5].map(|y| {
-            let body =
-                RigidBodyBuilder::dynamic().translation(Vector::Y * y).angvel(Vector::new(1.0, 2.0, 3.0));
-            world.insert(body, ColliderBuilder::ball(1.0).sensor(true))
-        });
-        let ball = InnerSphere::solid_ball(Vector::new(0.0, 0.25, 0.0), 0.5, Vector::X);
-        let packing = SpherePacking::new(vec![ball], SolidProperties::ball(0.5)).unwrap();
-        Self { world, bodies: inserted.map(|i| i.0), colliders: inserted.map(|i| i.1), packing }
-    }
-
-    fn describe<W: Write + Seek>(&self, recorder: &mut Recorder<W>) -> Result<(), RecordError> {
-        for body in self.bodies {
-            let (vertices, triangles) = &TRIANGLE;
-            let description = BodyDescription::new(body, "ball").mesh(vertices, triangles);
-            recorder.add_body(&description.spheres(&self.packing).scale(2.0).color([1.0, 0.5, 0.0, 1.0]))?;
-        }
-        Ok(())
-    }
-
-    /// A report with one contact between the two.
-    fn report(&self) -> StepReport {
-        let contact = PairContact {
-            collider_a: self.colliders[0],
-            collider_b: self.colliders[1],
-            state: ContactState::Started,
-            volume: 0.25,
-            depth: 0.5,
-            centroid: Vector::Y,
-            force: Vector::Y * 8.0,
-            torque: Vector::ZERO,
-            relative_velocity: Vector::ZERO,
-        };
-        StepReport { contacts: vec![contact], query_seconds: 0.125, ..StepReport::default() }
-    }
-
-    fn run<W: Write + Seek>(&mut self, recorder: &mut Recorder<W>, steps: u32) -> Result<(), RecordError> {
-        for _ in 0..steps {
-            self.world.step();
-            recorder.record(&self.world, &self.report())?;
-        }
-        Ok(())
-    }
-}
-
-/// A whole recording of the fall.
-fn recording(options: RecordOptions) -> (Vec<u8>, RecordStatistics) {
-    let mut bytes = Vec::new();
-    let mut fall = Fall::new();
-    let mut recorder = Recorder::new(Cursor::new(&mut bytes), options).unwrap();
-    fall.describe(&mut recorder).unwrap();
-    recorder.record_start(&fall.world).unwrap();
-    fall.run(&mut recorder, STEPS).unwrap();
-    let statistics = recorder.finish().unwrap();
-    (bytes, statistics)
-}
+use std::io::Cursor;
 
 /// Log times and messages of `topic`, decoded.
 fn read<M: Message + Default>(bytes: &[u8], topic: &str) -> Vec<(u64, M)> {

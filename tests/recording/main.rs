@@ -1,0 +1,5 @@
+//! Recordings of whole scenes.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod killed;
+mod pile;
