@@ -33,9 +33,9 @@ pub enum OutlineColors {
     Radius,
 }
 
-/// Draws every [`IstShape`] of a world, alone or as a part of a compound, as circles around its spheres.
-#[derive(Clone, Debug)]
-pub struct SphereOutlines {
+/// What is drawn, and how.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutlineOptions {
     /// Most spheres drawn of one solid, the largest of it; 300 by default.
     pub most_spheres: usize,
     /// Which balls are drawn: the certified inner ones by default.
@@ -44,22 +44,28 @@ pub struct SphereOutlines {
     pub circles: usize,
     /// What colours tell.
     pub colors: OutlineColors,
+}
+
+impl Default for OutlineOptions {
+    fn default() -> Self {
+        Self { most_spheres: 300, balls: BallKind::Inner, circles: 3, colors: OutlineColors::Body }
+    }
+}
+
+/// Draws every [`IstShape`] of a world, alone or as a part of a compound, as circles around its spheres.
+#[derive(Clone, Debug, Default)]
+pub struct SphereOutlines {
+    /// May be changed between frames.
+    pub options: OutlineOptions,
     /// Balls of one solid: its own frame.
     spheres: Vec<(Vector, Real)>,
     /// Circles of radius 1.
     circle_points: [Vec<Vector>; 3],
 }
 
-impl Default for SphereOutlines {
-    fn default() -> Self {
-        Self {
-            most_spheres: 300,
-            balls: BallKind::Inner,
-            circles: 3,
-            colors: OutlineColors::Body,
-            spheres: Vec::new(),
-            circle_points: Default::default(),
-        }
+impl From<OutlineOptions> for SphereOutlines {
+    fn from(options: OutlineOptions) -> Self {
+        Self { options, ..Self::default() }
     }
 }
 
@@ -107,7 +113,8 @@ impl SphereOutlines {
     ) {
         let Some(tree) = shape.as_shape::<IstShape>().map(IstShape::tree) else { return };
         self.spheres.clear();
-        match self.balls {
+        let OutlineOptions { most_spheres, balls, circles, colors } = self.options;
+        match balls {
             BallKind::Volume => self.spheres.extend(tree.volume_balls()),
             BallKind::Inner => {
                 self.spheres.extend(tree.inner_balls().map(|(center, radius, _)| (center, radius)))
@@ -117,8 +124,8 @@ impl SphereOutlines {
         self.spheres.sort_by(|a, b| b.1.total_cmp(&a.1));
         let radius = |sphere: Option<&(Vector, Real)>| sphere.map_or(0.0, |sphere| sphere.1);
         let (largest, smallest) = (radius(self.spheres.first()), radius(self.spheres.last()));
-        for &(center, radius) in self.spheres.iter().take(self.most_spheres) {
-            let color = match self.colors {
+        for &(center, radius) in self.spheres.iter().take(most_spheres) {
+            let color = match colors {
                 OutlineColors::Body => color,
                 OutlineColors::Radius => {
                     let share = (radius - smallest) / (largest - smallest).max(Real::MIN_POSITIVE);
@@ -126,7 +133,7 @@ impl SphereOutlines {
                 }
             };
             let at = *pose * Pose::from_translation(center);
-            for points in self.circle_points.iter().take(self.circles) {
+            for points in self.circle_points.iter().take(circles) {
                 backend.draw_line_strip(object, points, &at, Vector::splat(radius), color, true);
             }
         }

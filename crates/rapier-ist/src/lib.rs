@@ -53,6 +53,7 @@ mod kinematic;
 mod lookahead;
 mod memory;
 mod model;
+mod modified_contacts;
 mod penalty;
 mod plugin;
 mod query;
