@@ -35,7 +35,7 @@ use rapier3d::parry::shape::Shape;
 /// - Intersection, distance, contact, closest points and casts see the certified inner balls, which lie in the solid: what they
 ///   report as meeting does meet, and distances are upper bounds of those of the solids. Contact manifolds rest on the volume
 ///   balls, as forces do.
-/// - Compounds with inner sphere trees among their parts are seen part by part, in the order of parry's own algorithms. Contacts of
+/// - Compounds with inner sphere trees among their parts are seen part by part, by parry's own algorithms. Contacts of
 ///   such a part have one manifold with one normal, and forces come from Rapier's solver under every
 ///   [`ContactModel`](crate::ContactModel): several colliders on one body do better. Other custom parts are not seen.
 /// - Parry's shapes are seen by their signed distance, in casts by their convex parts. Half-spaces, heightfields and polylines are as
