@@ -4,13 +4,16 @@
 //! taken from it: by parry's own algorithms for composite shapes, with a dispatcher that knows the parts.
 
 use super::IstDispatcher;
+use super::manifold::mark_unordered;
+use super::parts::for_each_part;
 use crate::IstShape;
 use rapier3d::math::{Pose, Real, Vector};
+use rapier3d::parry::bounding_volume::BoundingVolume;
 use rapier3d::parry::query::details::{self, ShapeCastOptions};
 use rapier3d::parry::query::{
     ClosestPoints, Contact, ContactManifold, ContactManifoldsWorkspace, DefaultQueryDispatcher,
-    NonlinearRigidMotion, QueryDispatcher, QueryDispatcherChain, ShapeCastHit, ShapeDistance,
-    ShapeIntersection, Unsupported,
+    NonlinearRigidMotion, PersistentQueryDispatcher, QueryDispatcher, QueryDispatcherChain, ShapeCastHit,
+    ShapeDistance, ShapeIntersection, Unsupported,
 };
 use rapier3d::parry::shape::{CompositeShape, Compound, Shape, ShapeType};
 
@@ -173,17 +176,8 @@ impl<'a> CompoundPair<'a> {
                 !is_swapped,
             );
         } else if other.as_voxels().is_some() {
-            let (g1, g2): (&dyn Shape, &dyn Shape) =
-                if is_swapped { (other, compound) } else { (compound, other) };
-            details::contact_manifolds_voxels_composite_shape_shapes(
-                &parts(),
-                pos12,
-                g1,
-                g2,
-                prediction,
-                manifolds,
-                workspace,
-            );
+            self.voxels_manifolds(from_compound, prediction, manifolds);
+            mark_unordered(workspace);
         } else {
             details::contact_manifolds_composite_shape_shape(
                 &parts(),
@@ -197,6 +191,64 @@ impl<'a> CompoundPair<'a> {
             );
         }
         Ok(())
+    }
+
+    /// A manifold for each part that is a tree, and for each voxel near another part. parry's own algorithm panics where a part
+    /// is not convex.
+    fn voxels_manifolds<ManifoldData, ContactData>(
+        self,
+        to_other: &Pose,
+        prediction: Real,
+        manifolds: &mut Vec<ContactManifold<ManifoldData, ContactData>>,
+    ) where
+        ManifoldData: Default + Clone + Send + Sync,
+        ContactData: Default + Copy + Send + Sync,
+    {
+        manifolds.clear();
+        for (index, (place, part)) in self.compound.shapes().iter().enumerate() {
+            let mut add = |at: &Pose, other: &dyn Shape| {
+                let mut manifold = ContactManifold::new();
+                let pos12 = place.inv_mul(&(*to_other * *at));
+                let known = if self.is_swapped {
+                    manifold.subshape2 = index as u32;
+                    manifold.set_subshape_pos1(Some(*at));
+                    manifold.set_subshape_pos2(Some(*place));
+                    let (pos12, part) = (pos12.inverse(), part.as_ref());
+                    parts().contact_manifold_convex_convex(
+                        &pos12,
+                        other,
+                        part,
+                        None,
+                        None,
+                        prediction,
+                        &mut manifold,
+                    )
+                } else {
+                    manifold.subshape1 = index as u32;
+                    manifold.set_subshape_pos1(Some(*place));
+                    manifold.set_subshape_pos2(Some(*at));
+                    let part = part.as_ref();
+                    parts().contact_manifold_convex_convex(
+                        &pos12,
+                        part,
+                        other,
+                        None,
+                        None,
+                        prediction,
+                        &mut manifold,
+                    )
+                };
+                if known.is_ok() && !manifold.points.is_empty() {
+                    manifolds.push(manifold);
+                }
+            };
+            if is_tree(part.as_ref()) {
+                add(&Pose::IDENTITY, self.other);
+            } else {
+                let region = part.compute_aabb(&to_other.inv_mul(place)).loosened(prediction);
+                for_each_part(self.other, &region, &mut add);
+            }
+        }
     }
 }
 

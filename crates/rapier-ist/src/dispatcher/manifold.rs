@@ -104,11 +104,7 @@ impl Workspace {
     }
 }
 
-/// One manifold for each of `patches`, at least one, in the order of those of the last time that they continue.
-///
-/// Rapier keeps positions of manifolds in their list from step to step, unless the pair has a workspace; then it looks
-/// for them anew. So there is one where the number of manifolds is or was not one. It is one of parry's, as worlds with a
-/// custom one could be saved but not loaded; nothing is in it.
+/// One manifold for each of `patches`, at least one, in the order of the patches: each the one of the last time that it continues.
 pub(super) fn write_manifolds<ManifoldData, ContactData>(
     patches: &[Patch],
     (pos12, prediction): (&Pose, Real),
@@ -135,8 +131,17 @@ pub(super) fn write_manifolds<ManifoldData, ContactData>(
     if is_one {
         *workspace = None;
     } else {
-        workspace.get_or_insert_with(|| VoxelsShapeContactManifoldsWorkspace::<2>::new().into());
+        mark_unordered(workspace);
     }
+}
+
+/// Tells Rapier that the pair's manifolds are not those of the last time.
+///
+/// Rapier keeps positions of manifolds in their list from step to step, unless the pair has a workspace; then it looks
+/// for them anew. So there must be one wherever the number of manifolds is or was not one. It is one of parry's, as worlds
+/// with a custom one could be saved but not loaded; nothing is in it.
+pub(super) fn mark_unordered(workspace: &mut Option<ContactManifoldsWorkspace>) {
+    workspace.get_or_insert_with(|| VoxelsShapeContactManifoldsWorkspace::<2>::new().into());
 }
 
 /// Position of the manifold from `position` on that `patch` continues: of those that push in its direction the nearest. One
