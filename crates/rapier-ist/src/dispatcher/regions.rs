@@ -125,7 +125,7 @@ mod tests {
             (0..count).map(move |i| cap(Vector::new(from + 0.02 * i as Real, 0.0, 0.0), Vector::Y))
         };
         assert_eq!(sizes(row(0.0, 5).chain(row(0.2, 3)).collect()), [3, 5]);
-        assert_eq!(sizes(row(0.0, 5).chain(row(0.12, 3)).collect()), [8]);
+        assert_eq!(sizes(row(0.0, 5).chain(row(0.11, 3)).collect()), [8]);
     }
 
     #[test]
