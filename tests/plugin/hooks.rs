@@ -1,6 +1,7 @@
 //! The user's physics hooks.
 
 use super::*;
+use rapier3d::pipeline::ModifiableContacts;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Answers with the same flags for every pair and counts what it is asked.
@@ -89,8 +90,14 @@ impl PhysicsHooks for OneWay {
 }
 
 #[test]
-fn a_one_way_platform_works() {
+fn a_one_way_platform_works_in_both_models() {
+    one_way_platform(ContactModel::default());
+    one_way_platform(ContactModel::VolumeManifold);
+}
+
+fn one_way_platform(model: ContactModel) {
     let (mut world, mut plugin) = grounded();
+    plugin.model = model;
     let platform = ColliderBuilder::cuboid(1.0, 0.2, 1.0).active_hooks(ActiveHooks::MODIFY_SOLVER_CONTACTS);
     let platform = world.insert(RigidBodyBuilder::fixed().translation(Vector::Y), platform).1;
     let hooks = OneWay(platform);
@@ -105,4 +112,77 @@ fn a_one_way_platform_works() {
     // From 0.5 m at 5 m/s a free body rises by v²/2g = 1.27 m.
     assert!(highest > 1.7, "nothing stops it on its way up: {highest}");
     assert!((height(&world, body) - 1.3).abs() < 0.02, "it comes to rest on top: {}", height(&world, body));
+}
+
+/// Sets friction and restitution, and moves what lies on the collider along x.
+struct Belt {
+    collider: ColliderHandle,
+    speed: f32,
+    friction: f32,
+    restitution: f32,
+}
+
+impl PhysicsHooks for Belt {
+    fn modify_solver_contacts(&self, context: &mut ContactModificationContext) {
+        // The wanted velocity is that of the second collider relative to the first.
+        let sign = if context.collider1 == self.collider { 1.0 } else { -1.0 };
+        let ModifiableContacts::Rigid(contacts) = &mut context.contacts else { return };
+        *contacts.friction = self.friction;
+        *contacts.restitution = self.restitution;
+        for contact in contacts.solver_contacts.iter_mut() {
+            contact.tangent_velocity = Vector::X * (sign * self.speed);
+        }
+    }
+}
+
+/// Position and velocity after a second of a body that begins at `start` over a belt without friction of its own.
+fn on_a_belt(
+    (speed, friction, restitution): (f32, f32, f32),
+    start: RigidBodyBuilder,
+    body_first: bool,
+) -> (Vector, Vector) {
+    let mut world = PhysicsWorld::new();
+    let mut plugin = IstPlugin::install(&mut world);
+    let body = |world: &mut PhysicsWorld| {
+        let start = start.clone().lock_rotations();
+        world.insert(start, ball_collider().friction(0.0)).0
+    };
+    let first = body_first.then(|| body(&mut world));
+    let belt = ColliderBuilder::new(SharedShape::halfspace(Vector::Y)).friction(0.0);
+    let belt = belt.active_hooks(ActiveHooks::MODIFY_SOLVER_CONTACTS);
+    let collider = world.insert(RigidBodyBuilder::fixed(), belt).1;
+    let body = first.unwrap_or_else(|| body(&mut world));
+    let hooks = Belt { collider, speed, friction, restitution };
+    for _ in 0..60 {
+        plugin.step_with_events(&mut world, &hooks, &());
+    }
+    (world.bodies[body].translation(), world.bodies[body].linvel())
+}
+
+#[test]
+fn a_conveyor_belt_carries_in_both_orders() {
+    for body_first in [true, false] {
+        let start = dynamic(Vector::Y * RADIUS);
+        // Friction of 0.5 brings it to 2 m/s in 0.41 s, in 0.41 m; then it goes along.
+        let (at, velocity) = on_a_belt((2.0, 0.5, 0.0), start.clone(), body_first);
+        assert!((velocity.x - 2.0).abs() < 0.01, "{velocity}");
+        let expected = 2.0 - 2.0 / (2.0 * 0.5 * 9.81) * 2.0;
+        assert!((at.x - expected).abs() < 0.15, "{at}, {expected}");
+        let (at, velocity) = on_a_belt((2.0, 0.0, 0.0), start, body_first);
+        assert!(at.x.abs() < 1e-4 && velocity.x.abs() < 1e-4, "without friction it is not moved, {at}");
+    }
+}
+
+#[test]
+fn friction_and_restitution_of_the_hook_are_felt() {
+    let sliding = dynamic(Vector::Y * RADIUS).linvel(Vector::X * 3.0);
+    let (_, velocity) = on_a_belt((0.0, 0.1, 0.0), sliding.clone(), false);
+    assert!((velocity.x - (3.0 - 0.981)).abs() < 0.1, "{velocity}");
+    let (_, velocity) = on_a_belt((0.0, 0.0, 0.0), sliding, false);
+    assert!((velocity.x - 3.0).abs() < 1e-3, "{velocity}");
+    // Dropped from 1 m it hits the ground after 0.45 s and after another e · 0.9 s.
+    let heights = [0.0, 0.8].map(|restitution| {
+        on_a_belt((0.0, 0.0, restitution), dynamic(Vector::Y * (RADIUS + 1.0)), false).0.y
+    });
+    assert!(heights[0] < RADIUS + 0.01 && heights[1] > RADIUS + 0.4, "{heights:?}");
 }

@@ -4,12 +4,16 @@
 mod bad_input;
 mod bodies;
 mod changes;
+mod characters;
+mod compounds;
+mod debug_render;
 mod dominance;
 mod filters;
 mod force_events;
 mod hooks;
 mod joints;
 mod kinematic;
+mod manifold_model;
 mod queries;
 mod reports;
 mod sleeping;

@@ -22,6 +22,7 @@ fn a_sleeping_tower_stays_where_it_is() {
     for _ in 0..60 {
         let report = plugin.step(&mut world);
         assert!(report.contacts.is_empty() && report.stopped.is_empty(), "asleep is not separated");
+        assert_eq!((report.candidates, report.solve_seconds), (0, 0.0), "nothing is measured or solved");
     }
     assert_eq!(before, bodies.map(|body| bits(&world, body)));
 }
@@ -97,4 +98,54 @@ fn a_woken_body_goes_to_sleep_again() {
     assert!(!world.bodies[upper].is_sleeping() && height(&world, upper) > 0.31);
     run(&mut plugin, &mut world, 400);
     assert!([lower, upper].iter().all(|&body| world.bodies[body].is_sleeping()));
+}
+
+#[test]
+fn a_sleeping_pile_costs_nothing_and_wakes_where_it_is_touched() {
+    let (mut world, mut plugin) = grounded();
+    for i in 0..12 {
+        let (x, z) = ((i % 3) as f32, (i / 3 % 2) as f32);
+        let at = Vector::new(0.15 * x, 0.1 + 0.21 * (i / 6) as f32, 0.15 * z);
+        world.insert(dynamic(at), ball_collider().friction(1.0));
+    }
+    run(&mut plugin, &mut world, 1200);
+    let asleep = |world: &PhysicsWorld| world.bodies.iter().filter(|(_, body)| body.is_sleeping()).count();
+    assert_eq!(asleep(&world), 12);
+    for _ in 0..30 {
+        let report = plugin.step(&mut world);
+        assert_eq!((report.candidates, report.solve_seconds), (0, 0.0));
+        assert!(report.contacts.is_empty() && report.patches.is_empty());
+    }
+    // Far from the pile nothing wakes.
+    world.insert(dynamic(Vector::new(5.0, 0.1, 0.0)), ball_collider());
+    run(&mut plugin, &mut world, 10);
+    assert_eq!(asleep(&world), 12);
+    let thrown = dynamic(Vector::new(-1.0, 0.2, 0.0)).linvel(Vector::X * 5.0);
+    world.insert(thrown, ball_collider());
+    run(&mut plugin, &mut world, 30);
+    assert!(asleep(&world) < 12, "{}", asleep(&world));
+    let report = plugin.step(&mut world);
+    assert!(report.candidates > 0 && !report.contacts.is_empty());
+}
+
+#[test]
+fn a_force_that_wakes_moves_and_one_that_does_not_stays_without_effect() {
+    let (mut world, mut plugin, [lower, upper]) = tower();
+    let weight = world.bodies[upper].mass() * 9.81;
+    world.bodies[upper].add_force(Vector::Y * 3.0 * weight, false);
+    run(&mut plugin, &mut world, 30);
+    assert!(world.bodies[upper].is_sleeping(), "as in Rapier");
+    world.bodies[upper].reset_forces(false);
+    world.bodies[upper].add_force(Vector::Y * 3.0 * weight, true);
+    run(&mut plugin, &mut world, 30);
+    // 2 g upwards for half a second.
+    assert!(!world.bodies[upper].is_sleeping() && height(&world, upper) > 1.0, "{}", height(&world, upper));
+    // A body that is pressed down is heavier for what it lies on.
+    world.bodies[upper].reset_forces(true);
+    run(&mut plugin, &mut world, 400);
+    assert!(world.bodies[lower].is_sleeping() && world.bodies[upper].is_sleeping());
+    let before = height(&world, lower);
+    world.bodies[upper].add_force(Vector::Y * -10.0 * weight, true);
+    run(&mut plugin, &mut world, 60);
+    assert!(height(&world, lower) < before, "{} {before}", height(&world, lower));
 }

@@ -5,6 +5,7 @@
 
 mod bad_poses;
 mod casts;
+mod compounds;
 mod continuous;
 mod shape;
 mod static_queries;

@@ -1,11 +1,13 @@
 //! Stiffness, friction and restitution of a pair.
 
+use crate::modified_contacts::ModifiedContacts;
 use crate::penalty::Material;
 use crate::query::Contact;
 use crate::stiffness::{StiffnessTable, valid};
 use crate::{Stiffness, StiffnessContext, VolumePenalty, WorldParts};
 use rapier3d::dynamics::CoefficientCombineRule;
 use rapier3d::geometry::Collider;
+use rapier3d::glamx::DVec3;
 use rapier3d::math::Real;
 
 /// Stiffness of [`Stiffness::Automatic`] in units of weight per cubed size; see [`automatic_stiffness`].
@@ -38,28 +40,31 @@ pub(crate) struct ContactLaw<'a> {
     pub(crate) stiffness: &'a StiffnessTable,
 }
 
-/// Material of a pair, after Rapier's combine rules.
+/// Material of a pair, after Rapier's combine rules and the user's hook.
 pub(crate) fn material(world: &WorldParts<'_>, contact: &Contact, law: ContactLaw<'_>) -> Material {
     let penalty = law.penalty;
     let [a, b] = contact.candidate.colliders.map(|handle| world.colliders[handle].material());
-    let combine = CoefficientCombineRule::combine;
+    let modified = ModifiedContacts::of(world, contact.candidate.colliders).unwrap_or_else(|| {
+        let combine = CoefficientCombineRule::combine;
+        ModifiedContacts {
+            friction: combine(a.friction, b.friction, a.friction_combine_rule, b.friction_combine_rule),
+            restitution: combine(
+                a.restitution,
+                b.restitution,
+                a.restitution_combine_rule,
+                b.restitution_combine_rule,
+            ),
+            tangent_velocity: DVec3::ZERO,
+        }
+    });
     let unit = f64::from(world.integration_parameters.length_unit);
     Material {
         stiffness: stiffness(world, contact, law),
         dissipation: f64::from(penalty.dissipation),
-        friction: combine(a.friction, b.friction, a.friction_combine_rule, b.friction_combine_rule)
-            .clamp(0.0, MOST_FRICTION)
-            // NaN passes through a clamp.
-            .max(0.0)
-            .into(),
-        restitution: combine(
-            a.restitution,
-            b.restitution,
-            a.restitution_combine_rule,
-            b.restitution_combine_rule,
-        )
-        .clamp(0.0, 1.0)
-        .into(),
+        // NaN passes through a clamp.
+        friction: modified.friction.clamp(0.0, MOST_FRICTION).max(0.0).into(),
+        restitution: modified.restitution.clamp(0.0, 1.0).max(0.0).into(),
+        tangent_velocity: modified.tangent_velocity,
         creep_speed: (f64::from(penalty.creep_speed) * unit).max(f64::MIN_POSITIVE),
         recovery_speed: (f64::from(penalty.recovery_speed) * unit)
             .min(f64::from(contact.candidate.size) / RECOVERY_TIME)

@@ -33,7 +33,8 @@
 //! # Features
 //! - `mcap`: `record`, trajectories in MCAP files with Foxglove's schemas, and `replay`, which reads them back.
 //! - `packer`: `IstShape::from_mesh`.
-//! - `parallel`, `enhanced-determinism`, `serde-serialize`, `debug-render`: as Rapier's features of these names.
+//! - `debug-render`: as Rapier's feature of that name, and `debug_render`, outlines of the spheres.
+//! - `parallel`, `enhanced-determinism`, `serde-serialize`: as Rapier's features of these names.
 
 mod against_shape;
 mod arrival;
@@ -41,6 +42,8 @@ mod bodies;
 mod candidates;
 mod contact_law;
 mod containment;
+#[cfg(feature = "debug-render")]
+pub mod debug_render;
 mod dispatcher;
 mod force_events;
 #[cfg(feature = "packer")]
@@ -50,6 +53,7 @@ mod kinematic;
 mod lookahead;
 mod memory;
 mod model;
+mod modified_contacts;
 mod penalty;
 mod plugin;
 mod query;

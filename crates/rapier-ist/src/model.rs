@@ -9,7 +9,12 @@ pub enum ContactModel {
     /// A force in proportion to the overlap volume, found by a linearly implicit solve, repeated at most twice where contacts
     /// end up far from where they were measured.
     VolumePenalty(VolumePenalty),
-    /// One contact manifold per pair (depth V/A along the volume gradient) for Rapier's own constraint solver.
+    /// Contact manifolds for Rapier's own constraint solver: one for each connected patch of the overlap that pushes in about
+    /// one direction, of up to four points with the mean depth V/A along the mean normal.
+    ///
+    /// Rapier merges manifolds whose normals agree within 5° and takes four of their points, see
+    /// `IntegrationParameters::contact_clustering`; points nearer to each other than a quarter of its prediction distance
+    /// (5 mm times `length_unit`) are one to it.
     VolumeManifold,
 }
 

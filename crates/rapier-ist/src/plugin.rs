@@ -31,9 +31,9 @@ use std::time::Instant;
 /// - Friction, restitution, combine rules, contact skin, collision and solver groups, `ActiveCollisionTypes`, sensors,
 ///   locked axes, dominance groups, gravity scale, `length_unit` and joints with and without contacts: as in Rapier.
 /// - `PhysicsHooks::filter_contact_pair` is asked as in Rapier, before the volume contact is looked for and by Rapier.
-///   A pair whose contacts `modify_solver_contacts` removes is not pushed; that hook sees Rapier's manifold of the
-///   step before, so where colliders ask for it pushing begins a step late. What else it changes in a manifold
-///   (friction, restitution, tangent velocity) has no effect on volume contacts.
+///   A pair whose contacts `modify_solver_contacts` removes is not pushed; that hook sees Rapier's manifolds of the
+///   step before, so where colliders ask for it pushing begins a step late. Friction, restitution and tangent velocity
+///   (a conveyor belt) that it sets are felt, for a pair those of its first manifold; normals and distances are not.
 /// - Links of multibodies feel contact forces as forces during the step, as impulses do not reach them; the solve
 ///   sees every link with its own mass and weight and not what joints carry of it, so that links on stiff contacts
 ///   tremble by some cm/s.
@@ -226,6 +226,7 @@ impl IstPlugin {
     ) -> Vec<BodyForce> {
         let start = Instant::now();
         let candidates = candidates(world, hooks);
+        self.report.candidates += candidates.len();
         self.report.query_seconds += start.elapsed().as_secs_f64();
         let law = ContactLaw { penalty, stiffness: &self.stiffness };
         respond(world, candidates, law, (&mut self.report, &mut self.memory))

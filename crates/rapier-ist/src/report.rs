@@ -14,6 +14,9 @@ pub struct StepReport {
     /// Pairs that were in contact in the step before and no longer are, sorted by handles: separated, removed,
     /// disabled, or no longer allowed to touch. Pairs that fell asleep have not stopped.
     pub stopped: Vec<[ColliderHandle; 2]>,
+    /// Pairs whose overlap was looked for: their boxes meet, they may collide, and one of them is awake. With
+    /// [`crate::IstPlugin::substeps`], the sum over all of them.
+    pub candidates: usize,
     /// Whether the world's query dispatcher did not know [`crate::IstShape`] and was replaced; see
     /// [`crate::IstPlugin::step_parts`].
     pub dispatcher_replaced: bool,

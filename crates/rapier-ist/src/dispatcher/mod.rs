@@ -1,15 +1,19 @@
 //! Rapier's queries for inner sphere trees.
 
 mod cast;
+mod compound;
 mod manifold;
 mod pair;
 mod parts;
+mod patch;
 mod proximity;
+mod regions;
 mod workspace;
 
 pub(crate) use cast::time_of_impact;
+use compound::CompoundPair;
 use ist::ImpactOptions;
-use manifold::{MeanContact, mean_contact};
+use manifold::{Division, with_patches, write_manifold, write_manifolds};
 use pair::Pair;
 use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::query::details::{
@@ -17,9 +21,9 @@ use rapier3d::parry::query::details::{
 };
 use rapier3d::parry::query::{
     ClosestPoints, Contact, ContactManifold, NonlinearRigidMotion, PersistentQueryDispatcher,
-    QueryDispatcher, ShapeCastHit, ShapeDistance, TrackedContact, Unsupported,
+    QueryDispatcher, ShapeCastHit, ShapeDistance, Unsupported,
 };
-use rapier3d::parry::shape::{PackedFeatureId, Shape};
+use rapier3d::parry::shape::Shape;
 
 /// Answers every query that involves an [`IstShape`](crate::IstShape) and leaves all others to the dispatcher behind it:
 /// `IstDispatcher.chain(DefaultQueryDispatcher)`.
@@ -31,13 +35,16 @@ use rapier3d::parry::shape::{PackedFeatureId, Shape};
 /// - Intersection, distance, contact, closest points and casts see the certified inner balls, which lie in the solid: what they
 ///   report as meeting does meet, and distances are upper bounds of those of the solids. Contact manifolds rest on the volume
 ///   balls, as forces do.
+/// - Compounds with inner sphere trees among their parts are seen part by part, by parry's own algorithms. Contacts of
+///   such a part have one manifold with one normal, and forces come from Rapier's solver under every
+///   [`ContactModel`](crate::ContactModel): several colliders on one body do better. Other custom parts are not seen.
 /// - Parry's shapes are seen by their signed distance, in casts by their convex parts. Half-spaces, heightfields and polylines are as
 ///   parry has them; trimeshes have an inside only with `TriMeshFlags::ORIENTED`, segments, triangles, polylines and heightfields
 ///   never.
 ///
 /// # Results at the edges
 /// Where a pose or a velocity is not finite nothing meets: no intersection, no contact, no hit, and the distance is
-/// [`Real::MAX`]. Sub-shapes are always 0.
+/// [`Real::MAX`]. Sub-shapes are those of compounds, else 0.
 ///
 /// Linear casts follow parry's contract for [`ShapeCastOptions`]. In nonlinear casts without `stop_at_penetration` shapes stop a
 /// thousandth of the solid's thickness apart, so that continuous collision detection does not leave them in contact; balls in
@@ -52,11 +59,17 @@ impl QueryDispatcher for IstDispatcher {
         g1: &dyn Shape,
         g2: &dyn Shape,
     ) -> Result<ShapeIntersection, Unsupported> {
+        if let Some(pair) = CompoundPair::new(g1, g2) {
+            return Ok(pair.intersection_test(pos12));
+        }
         let intersecting = Pair::new(g1, g2)?.intersects(pos12);
         Ok(ShapeIntersection { intersecting, subshape1: 0, subshape2: 0 })
     }
 
     fn distance(&self, pos12: &Pose, g1: &dyn Shape, g2: &dyn Shape) -> Result<ShapeDistance, Unsupported> {
+        if let Some(pair) = CompoundPair::new(g1, g2) {
+            return Ok(pair.distance(pos12));
+        }
         proximity::distance(pos12, g1, g2).map(ShapeDistance::from)
     }
 
@@ -67,6 +80,9 @@ impl QueryDispatcher for IstDispatcher {
         g2: &dyn Shape,
         prediction: Real,
     ) -> Result<Option<Contact>, Unsupported> {
+        if let Some(pair) = CompoundPair::new(g1, g2) {
+            return Ok(pair.contact(pos12, prediction));
+        }
         proximity::contact(pos12, g1, g2, prediction)
     }
 
@@ -77,6 +93,9 @@ impl QueryDispatcher for IstDispatcher {
         g2: &dyn Shape,
         margin: Real,
     ) -> Result<ClosestPoints, Unsupported> {
+        if let Some(pair) = CompoundPair::new(g1, g2) {
+            return Ok(pair.closest_points(pos12, margin));
+        }
         proximity::closest_points(pos12, g1, g2, margin)
     }
 
@@ -88,6 +107,9 @@ impl QueryDispatcher for IstDispatcher {
         g2: &dyn Shape,
         options: ShapeCastOptions,
     ) -> Result<Option<ShapeCastHit>, Unsupported> {
+        if let Some(pair) = CompoundPair::new(g1, g2) {
+            return Ok(pair.cast(pos12, velocity, options));
+        }
         let motions = [cast::straight(Pose::IDENTITY, Vector::ZERO), cast::straight(*pos12, velocity)];
         let ignored_approach = if options.stop_at_penetration { Real::NEG_INFINITY } else { 0.0 };
         let options = ImpactOptions {
@@ -109,14 +131,17 @@ impl QueryDispatcher for IstDispatcher {
         end_time: Real,
         stop_at_penetration: bool,
     ) -> Result<Option<ShapeCastHit>, Unsupported> {
+        if let Some(pair) = CompoundPair::new(g1, g2) {
+            return Ok(pair.cast_nonlinear([motion1, motion2], (start_time, end_time), stop_at_penetration));
+        }
         cast::cast_nonlinear((g1, g2), [motion1, motion2], (start_time, end_time), stop_at_penetration)
     }
 }
 
 impl<ManifoldData, ContactData> PersistentQueryDispatcher<ManifoldData, ContactData> for IstDispatcher
 where
-    ManifoldData: Default + Clone,
-    ContactData: Default + Copy,
+    ManifoldData: Default + Clone + Send + Sync,
+    ContactData: Default + Copy + Send + Sync,
 {
     fn contact_manifolds(
         &self,
@@ -125,36 +150,29 @@ where
         g2: &dyn Shape,
         prediction: Real,
         manifolds: &mut Vec<ContactManifold<ManifoldData, ContactData>>,
-        _: &mut Option<ContactManifoldsWorkspace>,
+        workspace: &mut Option<ContactManifoldsWorkspace>,
     ) -> Result<(), Unsupported> {
-        let contact = mean_contact(pos12, g1, g2, prediction)?;
-        // Rapier identifies manifolds by their position in the list, so the one manifold of the pair always stays.
-        manifolds.resize_with(1, ContactManifold::new);
-        let manifold = &mut manifolds[0];
-        manifold.clear();
-        let Some(MeanContact { points, normal, distance }) = contact else { return Ok(()) };
-        manifold.local_n1 = normal;
-        manifold.local_n2 = -(pos12.rotation.inverse() * normal);
-        manifold.points.push(TrackedContact::new(
-            points[0],
-            pos12.inverse_transform_point(points[1]),
-            PackedFeatureId::face(0),
-            PackedFeatureId::face(0),
-            distance,
-        ));
-        Ok(())
+        if let Some(pair) = CompoundPair::new(g1, g2) {
+            return pair.contact_manifolds(pos12, prediction, manifolds, workspace);
+        }
+        with_patches(pos12, (g1, g2), prediction, Division::Regions, |patches| {
+            write_manifolds(patches, (pos12, prediction), manifolds, workspace);
+        })
     }
 
+    /// For parts of composite shapes, which have one manifold each.
     fn contact_manifold_convex_convex(
         &self,
-        _: &Pose,
-        _: &dyn Shape,
-        _: &dyn Shape,
+        pos12: &Pose,
+        g1: &dyn Shape,
+        g2: &dyn Shape,
         _: Option<&dyn NormalConstraints>,
         _: Option<&dyn NormalConstraints>,
-        _: Real,
-        _: &mut ContactManifold<ManifoldData, ContactData>,
+        prediction: Real,
+        manifold: &mut ContactManifold<ManifoldData, ContactData>,
     ) -> Result<(), Unsupported> {
-        Err(Unsupported)
+        with_patches(pos12, (g1, g2), prediction, Division::Whole, |patches| {
+            write_manifold(patches.first(), (pos12, prediction), manifold);
+        })
     }
 }

@@ -1,5 +1,7 @@
 //! Memory of the dispatcher's queries.
 
+use super::patch::Patch;
+use super::regions::Regions;
 use ist::{ContactSample, OverlapWorkspace, ProximityWorkspace};
 use std::cell::RefCell;
 
@@ -9,6 +11,8 @@ pub(super) struct Workspace {
     pub(super) overlap: OverlapWorkspace,
     pub(super) proximity: ProximityWorkspace,
     pub(super) samples: Vec<ContactSample>,
+    pub(super) regions: Regions,
+    pub(super) patches: Vec<Patch>,
 }
 
 thread_local! {

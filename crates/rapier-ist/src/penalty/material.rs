@@ -1,6 +1,7 @@
 //! What two colliders' materials say about their contact.
 
 use super::impact::Impact;
+use rapier3d::glamx::DVec3;
 
 /// Material of a pair of colliders, after Rapier's combine rules.
 #[derive(Clone, Copy, Debug)]
@@ -12,6 +13,8 @@ pub(crate) struct Material {
     pub(crate) friction: f64,
     /// 0 to 1.
     pub(crate) restitution: f64,
+    /// Velocity of the second collider relative to the first that friction works towards (m/s), as on a conveyor belt.
+    pub(crate) tangent_velocity: DVec3,
     /// Slip speed under which friction is viscous (m/s).
     pub(crate) creep_speed: f64,
     /// Fastest that overlap alone may push bodies apart (m/s), positive.

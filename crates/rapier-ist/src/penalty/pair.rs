@@ -154,7 +154,8 @@ impl PairContacts {
     /// Linearises the wrench about the velocities of the last pass.
     ///
     /// Per sample the force on b is `n (f + c_n n·(u_0 − u)) − c_t (u − n n·u)` with the tangent of the normal force at
-    /// u_0 and the regularised Coulomb coefficient `c_t = μ f / max(|u_t|, u_creep)` there.
+    /// u_0 and the regularised Coulomb coefficient `c_t = μ f / max(|u_t|, u_creep)` there, with u_t relative to the wanted
+    /// tangent velocity.
     pub(crate) fn linearize(&mut self) {
         (self.offset, self.damping) = (Screw::ZERO, Symmetric6::ZERO);
         let friction = self.material.friction * self.grip();
@@ -162,11 +163,13 @@ impl PairContacts {
         for patch in &mut self.patches {
             (patch.offset, patch.damping) = (Screw::ZERO, Symmetric6::ZERO);
             for s in samples.by_ref().take(patch.count).filter(|s| s.force > 0.0) {
-                let tangential = friction * s.force / s.slip().length().max(self.material.creep_speed);
+                let wanted = self.material.tangent_velocity.reject_from_normalized(s.normal);
+                let slip = (s.slip() - wanted).length();
+                let tangential = friction * s.force / slip.max(self.material.creep_speed);
                 let (n, along) = (s.normal, s.damping - tangential);
                 let outer = DMat3::from_cols(n * (n.x * along), n * (n.y * along), n * (n.z * along));
                 patch.damping.add_damper(outer + DMat3::from_diagonal(DVec3::splat(tangential)), s.arm);
-                let force = n * (s.force + s.damping * s.velocity.dot(n));
+                let force = n * (s.force + s.damping * s.velocity.dot(n)) + wanted * tangential;
                 patch.offset += Screw { linear: force, angular: s.arm.cross(force) };
             }
             self.offset += patch.offset;
