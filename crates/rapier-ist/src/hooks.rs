@@ -8,6 +8,10 @@ use rapier3d::pipeline::{ActiveHooks, ContactModificationContext, PairFilterCont
 /// of the collider, so it is saved with it, and a user who sets hooks of their own takes it away.
 const BY_PLUGIN: ActiveHooks = ActiveHooks::from_bits_retain(1 << 31);
 
+/// Marks manifolds that Rapier's solver must leave alone and that a hook of the user looks at: they are measured in full, those
+/// without any flag are not. Rapier does not use this bit.
+const LOOKED_AT: SolverFlags = SolverFlags::from_bits_retain(1 << 31);
+
 /// Passes every call on to the user's hooks, then takes the forces off pairs that involve an [`IstShape`].
 ///
 /// Rapier still detects those pairs and sends their collision events.
@@ -24,7 +28,13 @@ impl PhysicsHooks for PenaltyHooks<'_> {
         } else {
             SolverFlags::default()
         };
-        if colliders().any(is_solid) { Some(SolverFlags::empty()) } else { Some(flags) }
+        let is_looked_at =
+            colliders().any(|c| c.active_hooks().contains(ActiveHooks::MODIFY_SOLVER_CONTACTS));
+        Some(match (colliders().any(is_solid), is_looked_at) {
+            (true, true) => LOOKED_AT,
+            (true, false) => SolverFlags::empty(),
+            (false, _) => flags,
+        })
     }
 
     fn filter_intersection_pair(&self, context: &PairFilterContext) -> bool {

@@ -144,7 +144,7 @@ impl<'a> CompoundPair<'a> {
         workspace: &mut Option<ContactManifoldsWorkspace>,
     ) -> Result<(), Unsupported>
     where
-        ManifoldData: Default + Clone + Send + Sync,
+        ManifoldData: Default + Clone + Send + Sync + 'static,
         ContactData: Default + Copy + Send + Sync,
     {
         let Self { compound, other, is_swapped } = self;
@@ -201,7 +201,7 @@ impl<'a> CompoundPair<'a> {
         prediction: Real,
         manifolds: &mut Vec<ContactManifold<ManifoldData, ContactData>>,
     ) where
-        ManifoldData: Default + Clone + Send + Sync,
+        ManifoldData: Default + Clone + Send + Sync + 'static,
         ContactData: Default + Copy + Send + Sync,
     {
         manifolds.clear();

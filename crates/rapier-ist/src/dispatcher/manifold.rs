@@ -69,6 +69,18 @@ pub(super) fn with_patches<T>(
     }))
 }
 
+/// The deepest place of two shapes, or the nearest within `prediction`, as a patch of one point.
+///
+/// Tells that the shapes are in contact without measuring their overlap.
+pub(super) fn detected_patch(
+    pos12: &Pose,
+    (g1, g2): (&dyn Shape, &dyn Shape),
+    prediction: Real,
+) -> Result<Option<Patch>, Unsupported> {
+    let gap = Pair::new(g1, g2)?.gap(pos12, BallKind::Volume, prediction);
+    Ok(gap.map(|gap| Patch::single(gap.points, gap.normal, gap.gap)))
+}
+
 impl Pair<'_> {
     /// Samples of the overlap of `tree`, in its frame.
     fn measure(&self, tree: &InnerSphereTree, pose: &Pose, workspace: &mut Workspace) {

@@ -13,8 +13,9 @@ mod workspace;
 pub(crate) use cast::time_of_impact;
 use compound::CompoundPair;
 use ist::ImpactOptions;
-use manifold::{Division, with_patches, write_manifold, write_manifolds};
+use manifold::{Division, detected_patch, with_patches, write_manifold, write_manifolds};
 use pair::Pair;
+use rapier3d::geometry::ContactManifoldData;
 use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::query::details::{
     ContactManifoldsWorkspace, NormalConstraints, ShapeCastOptions, ShapeIntersection,
@@ -24,6 +25,7 @@ use rapier3d::parry::query::{
     QueryDispatcher, ShapeCastHit, ShapeDistance, Unsupported,
 };
 use rapier3d::parry::shape::Shape;
+use std::any::Any;
 
 /// Answers every query that involves an [`IstShape`](crate::IstShape) and leaves all others to the dispatcher behind it:
 /// `IstDispatcher.chain(DefaultQueryDispatcher)`.
@@ -35,6 +37,8 @@ use rapier3d::parry::shape::Shape;
 /// - Intersection, distance, contact, closest points and casts see the certified inner balls, which lie in the solid: what they
 ///   report as meeting does meet, and distances are upper bounds of those of the solids. Contact manifolds rest on the volume
 ///   balls, as forces do.
+/// - Manifolds that Rapier's solver leaves alone, as while a volume penalty pushes, and no contact-modification hook looks at
+///   have one point, the deepest: they tell that shapes are in contact.
 /// - Compounds with inner sphere trees among their parts are seen part by part, by parry's own algorithms. Contacts of
 ///   such a part have one manifold with one normal, and forces come from Rapier's solver under every
 ///   [`ContactModel`](crate::ContactModel): several colliders on one body do better. Other custom parts are not seen.
@@ -140,7 +144,7 @@ impl QueryDispatcher for IstDispatcher {
 
 impl<ManifoldData, ContactData> PersistentQueryDispatcher<ManifoldData, ContactData> for IstDispatcher
 where
-    ManifoldData: Default + Clone + Send + Sync,
+    ManifoldData: Default + Clone + Send + Sync + 'static,
     ContactData: Default + Copy + Send + Sync,
 {
     fn contact_manifolds(
@@ -154,6 +158,11 @@ where
     ) -> Result<(), Unsupported> {
         if let Some(pair) = CompoundPair::new(g1, g2) {
             return pair.contact_manifolds(pos12, prediction, manifolds, workspace);
+        }
+        if are_left_alone(manifolds) {
+            let patch = detected_patch(pos12, (g1, g2), prediction)?;
+            write_manifolds(patch.as_slice(), (pos12, prediction), manifolds, workspace);
+            return Ok(());
         }
         with_patches(pos12, (g1, g2), prediction, Division::Regions, |patches| {
             write_manifolds(patches, (pos12, prediction), manifolds, workspace);
@@ -175,4 +184,13 @@ where
             write_manifold(patches.first(), (pos12, prediction), manifold);
         })
     }
+}
+
+/// Whether Rapier's solver does nothing with these manifolds, and no hook does: they tell that the shapes are in contact.
+fn are_left_alone<ManifoldData: 'static, ContactData>(
+    manifolds: &[ContactManifold<ManifoldData, ContactData>],
+) -> bool {
+    let data = manifolds.first().map(|manifold| &manifold.data as &dyn Any);
+    data.and_then(|data| data.downcast_ref::<ContactManifoldData>())
+        .is_some_and(|data| data.rigid_body1.or(data.rigid_body2).is_some() && data.solver_flags.is_empty())
 }
