@@ -233,3 +233,32 @@ fn a_world_with_many_manifolds_is_saved_and_goes_on_bit_for_bit() {
         assert_eq!(bits(&world, handle), bits(&restored, handle));
     }
 }
+
+#[test]
+fn manifolds_that_nothing_looks_at_tell_of_the_contact_and_no_more() {
+    // Under the penalty Rapier's solver does nothing with manifolds.
+    for looked_at in [false, true] {
+        let mut world = PhysicsWorld::new();
+        let mut plugin = IstPlugin::install(&mut world);
+        let ground = world.insert(RigidBodyBuilder::fixed(), plane()).1;
+        let shape = table();
+        let lowest = shape.clone().into_shared().compute_local_aabb().mins.y;
+        let hooks = if looked_at { ActiveHooks::MODIFY_SOLVER_CONTACTS } else { ActiveHooks::empty() };
+        let collider = shape.into_collider().density(DENSITY).active_hooks(hooks);
+        let collider = world.insert(dynamic(Vector::Y * -lowest).can_sleep(false), collider).1;
+        for _ in 0..60 {
+            plugin.step(&mut world);
+        }
+        let pair = world.narrow_phase.contact_pair(ground, collider).unwrap();
+        let points: Vec<_> = pair.manifolds().iter().map(|m| m.points.len()).collect();
+        assert!(pair.has_any_active_contact());
+        if looked_at {
+            assert!(points.len() >= 4, "{points:?}");
+        } else {
+            assert_eq!(points, [1]);
+            let manifold = &pair.manifolds()[0];
+            let up = if pair.collider1 == ground { manifold.local_n1 } else { -manifold.local_n1 };
+            assert!(up.y > 0.99 && manifold.points[0].dist < 0.0, "{manifold:?}");
+        }
+    }
+}
