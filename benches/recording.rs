@@ -16,8 +16,10 @@ use std::time::{Duration, Instant};
 
 /// Steps that are measured: bodies fall and pile up. Later they sleep, and a step takes less than a recorded pose.
 const STEPS: usize = 120;
+/// A choice of options.
+type Preset = fn() -> RecordOptions;
 /// Ways to record.
-const WAYS: [(&str, fn() -> RecordOptions); 4] = [
+const WAYS: [(&str, Preset); 4] = [
     ("poses", RecordOptions::poses),
     ("poses, background", || RecordOptions::poses().background(true)),
     ("everything", RecordOptions::everything),
