@@ -39,7 +39,7 @@ pub fn check_folder_of(path: &Path) -> Result<()> {
 /// Where the folder cannot be written or the disk is full; `path` is then as it was.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     let write = || -> Result<()> {
-        let mut file = tempfile::NamedTempFile::new_in(folder_of(path))?;
+        let mut file = temporary_file(folder_of(path))?;
         file.write_all(bytes)?;
         file.persist(path)?;
         Ok(())
@@ -47,6 +47,35 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     write().with_context(|| format!("cannot write {}", path.display()))
 }
 
+/// With the permissions of any new file, not those of a secret one.
+fn temporary_file(folder: &Path) -> std::io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder)
+}
+
 fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[cfg(unix)]
+    fn files_have_the_permissions_of_any_other() -> Result<()> {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir()?;
+        let mode =
+            |name: &str| -> Result<u32> { Ok(folder.path().join(name).metadata()?.permissions().mode()) };
+        write_whole(&folder.path().join("ours"), b"text")?;
+        std::fs::write(folder.path().join("any"), b"text")?;
+        assert_eq!(mode("ours")?, mode("any")?);
+        Ok(())
+    }
 }

@@ -5,6 +5,7 @@ mod analytic;
 mod chain;
 mod collision;
 mod inside;
+mod pile;
 mod restitution;
 mod slope;
 mod stack;
