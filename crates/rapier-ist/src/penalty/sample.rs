@@ -3,6 +3,8 @@
 use rapier3d::glamx::DVec3;
 
 /// Steps to the velocity of a given force: it is only where the next tangent is taken.
+///
+/// With 6 the force there is right to 1 % for forces from a thousandth of k V to thirty times it (test below).
 const NEWTON_STEPS: usize = 6;
 
 /// A contact sample with its force as a function of the normal velocity `u` at the end of the step.
@@ -81,7 +83,8 @@ impl Sample {
     /// The normal velocity at which the law gives `force`, positive (N).
     ///
     /// With `w = √(1 − δ u)`, `s = √(f / k V)` and x linear in w² this is the root of the cubic `w (A + B w²) = s`, convex and
-    /// rising where x is positive: Newton's method falls towards it after the first step.
+    /// rising where x is positive: Newton's method falls towards it after the first step. The root of x² alone where δ is not
+    /// positive.
     pub(crate) fn velocity_of(&self, force: f64) -> f64 {
         let goal = (force / self.push).sqrt();
         if self.dissipation <= 0.0 {
