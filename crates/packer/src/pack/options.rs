@@ -23,7 +23,8 @@ pub struct PackOptions {
     /// Stop once the balls fill this share of the solid, in (0, 1].
     pub coverage: Option<f64>,
     /// Place no ball of a radius below this (m). Balls up to a ninth larger may be others than those of a packing
-    /// without it; all before them are the same.
+    /// without it; all before them are the same. With 0 m, a solid that is nearly a ball gets more than
+    /// one: [`StopReason::Exhausted`](crate::StopReason::Exhausted).
     pub min_radius: Option<f64>,
     /// Stop once the volume balls put no more than this share of the volume in the wrong place, in (0, 1):
     /// [`Quality::volume_error`](crate::Quality::volume_error).

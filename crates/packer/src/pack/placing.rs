@@ -3,14 +3,20 @@
 use super::ball_grid::Ball;
 use super::power_cells::PowerCell;
 use super::progress::{Reporter, share_placed};
+use super::rounds::{self, Smallest};
 use super::stop_signal::Watch;
 use super::time_stop::TimeStop;
 use super::volume_stop::VolumeStop;
-use super::{PackError, PackOptions, StopReason, rounds};
+use super::{PackError, PackOptions, StopReason};
 use crate::Solid;
+use std::f64::consts::PI;
 
 /// Gap samples of the smallest packings, whose cells are to be as exact as those of larger ones.
 const FEWEST_SAMPLES: usize = 200_000;
+/// Share of the volume that is not worth a search by all balls that were asked for together. A tessellated ball is
+/// filled to 99.9 % by one ball; the next ones lie in the dust under its facets, and looking for ten of them took
+/// minutes.
+const NEGLIGIBLE: f64 = 1e-4;
 /// Balls placed between two reports of progress.
 const BALLS_PER_PROGRESS: usize = 64;
 
@@ -49,7 +55,8 @@ pub(super) fn place(
         volume: VolumeStop::new(solid, options, watch),
         stop: None,
     };
-    let grid = rounds::place(solid, smallest, watch, |ball| stops.add(ball));
+    let smallest_ball = Smallest { radius: smallest, negligible: negligible_radius(solid, options) };
+    let grid = rounds::place(solid, smallest_ball, watch, |ball| stops.add(ball));
     let Stops { mut balls, volume, stop, .. } = stops;
     debug_assert!(balls == grid.balls(), "what was wanted is what was placed");
     let cells = match stop {
@@ -77,6 +84,16 @@ fn resolution(solid: &Solid) -> f64 {
     let (lower, upper) = solid.bounds();
     let largest = lower.abs().max(upper.abs()).max_element();
     16.0 * largest * f64::from(f32::EPSILON)
+}
+
+/// Radius (m) under which all balls asked for together fill less than [`NEGLIGIBLE`]; 0 where the caller chose a
+/// smallest radius. It falls with the count, so that a larger packing still begins with the smaller one.
+fn negligible_radius(solid: &Solid, options: &PackOptions) -> f64 {
+    if options.min_radius.is_some() {
+        return 0.0;
+    }
+    let volume = NEGLIGIBLE * solid.properties().volume / options.spheres as f64;
+    (volume / (4.0 / 3.0 * PI)).cbrt()
 }
 
 /// Balls placed so far, and what may end the placing.

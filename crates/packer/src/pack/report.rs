@@ -21,7 +21,8 @@ pub enum StopReason {
     Caller,
     /// No further ball of the asked least radius fits.
     MinRadius,
-    /// No further ball fits that single precision can tell from a point.
+    /// No further ball fits that single precision can tell from a point. Or the solid is so nearly a ball that all
+    /// spheres asked for would fill less than 1e-4 of it after the first; a least radius of 0 asks for these too.
     Exhausted,
 }
 
@@ -34,7 +35,7 @@ impl fmt::Display for StopReason {
             Self::TimeLimit => "time limit",
             Self::Caller => "caller",
             Self::MinRadius => "minimum radius",
-            Self::Exhausted => "no larger ball fits",
+            Self::Exhausted => "the rest is negligible",
         })
     }
 }

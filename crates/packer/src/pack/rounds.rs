@@ -44,11 +44,20 @@ const PASS: usize = 1 << 18;
 /// Levels of a cell that are refined as one task. A choice.
 const LEVELS: u32 = 4;
 
+/// How small balls may be.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Smallest {
+    /// No ball is smaller (m). Balls within a ninth above it may depend on it.
+    pub(super) radius: f64,
+    /// If no ball after the first can be larger (m), it stays alone.
+    pub(super) negligible: f64,
+}
+
 /// Places balls until `wanted` says stop, which is asked before each ball with the next one, or until `watch` is
 /// over. A pass that it cuts short places nothing, so that the balls are still a beginning of the same sequence.
 pub(super) fn place(
     solid: &Solid,
-    smallest: f64,
+    smallest: Smallest,
     watch: &Watch,
     wanted: impl FnMut(&Ball) -> bool,
 ) -> BallGrid {
@@ -63,11 +72,13 @@ pub(super) fn place(
         let bound = root.bound();
         buckets.add(root, bound, round);
     }
-    while buckets.radii[round] >= smallest {
+    while buckets.radii[round] >= smallest.radius {
+        let is_first = placing.balls.balls().is_empty();
         buckets.extend(round + 1);
-        let of_seeds = (seeds::SHARE * buckets.radii[round]).max(smallest);
+        let of_seeds = (seeds::SHARE * buckets.radii[round]).max(smallest.radius);
         if placing.place_seeds(&mut seeds, of_seeds).is_break()
-            || placing.place_from_cells(&mut buckets, round, smallest).is_break()
+            || placing.place_from_cells(&mut buckets, round, smallest.radius).is_break()
+            || is_first && placing.largest_to_come() < smallest.negligible
         {
             break;
         }
@@ -87,6 +98,16 @@ struct Placing<'a, W> {
 impl<W: FnMut(&Ball) -> bool> Placing<'_, W> {
     fn field(&self) -> Field<'_> {
         Field { solid: self.solid, balls: &self.balls, watch: self.watch }
+    }
+
+    /// Bound of the radius of all balls after the first (m), infinite before it.
+    ///
+    /// A ball of radius `r` outside the first one, of radius `R`, has a point `R + 2 r` or more from the first one's
+    /// centre, and in the solid nothing is farther than its farthest vertex.
+    fn largest_to_come(&self) -> f64 {
+        let Some(first) = self.balls.balls().first() else { return f64::INFINITY };
+        let distances = self.solid.mesh().vertices.iter().map(|vertex| vertex.distance(first.center));
+        0.5 * (distances.fold(0.0, f64::max) - first.radius)
     }
 
     /// Places the balls of at least `radius` that the seeds propose.
