@@ -1,11 +1,13 @@
 //! Overlap of an inner sphere tree with one of parry's shapes.
 
+use crate::mesh_surface::MeshSurface;
 use ist::{ContactSample, InnerSphereTree, SurfaceDistance};
 use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::query::PointQuery;
 use rapier3d::parry::shape::{Compound, HalfSpace, Shape};
 
-/// Appends the contact samples of `solid` (A) with `other` (B) at `pose` in A's frame.
+/// Appends the contact samples of `solid` (A) with `other` (B) at `pose` in A's frame. Returns a distance (m) of which the balls
+/// that do not meet `other` are away from it.
 ///
 /// Every ball meets `other` as if that were the half-space behind its nearest surface point: exact for
 /// half-spaces, good for solids with features larger than the balls. Shapes without an inside (trimeshes without
@@ -15,20 +17,23 @@ pub(crate) fn contact_samples(
     other: &dyn Shape,
     pose: &Pose,
     samples: &mut Vec<ContactSample>,
-) {
-    solid.contact_samples_with(surface_of(other, pose), samples);
+) -> Real {
+    solid.contact_samples_with(surface_of(other, pose), samples)
 }
 
 /// Signed distance of `shape` at `pose`.
 pub(crate) fn surface_of(shape: &dyn Shape, pose: &Pose) -> impl Fn(Vector) -> SurfaceDistance {
     let (pose, inverse) = (*pose, pose.inverse());
+    let mesh = shape.as_trimesh().map(MeshSurface::new);
     move |point| {
-        let surface = surface_distance(shape, inverse * point);
+        let point = inverse * point;
+        let surface =
+            mesh.as_ref().map_or_else(|| surface_distance(shape, point), |mesh| mesh.distance(point));
         SurfaceDistance { outward: pose.rotation * surface.outward, ..surface }
     }
 }
 
-/// Signed distance of `shape` at `point`, in its own frame.
+/// Signed distance of `shape` at `point`, in its own frame. For many points see [`surface_of`].
 pub(crate) fn surface_distance(shape: &dyn Shape, point: Vector) -> SurfaceDistance {
     // parry projects points inside a half-space onto its plane, but reports no distance beyond float range.
     if let Some(half_space) = shape.as_shape::<HalfSpace>() {

@@ -52,6 +52,7 @@ mod hooks;
 mod kinematic;
 mod lookahead;
 mod memory;
+mod mesh_surface;
 mod model;
 mod modified_contacts;
 mod penalty;

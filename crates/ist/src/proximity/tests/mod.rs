@@ -5,6 +5,7 @@ mod impact;
 mod pairs;
 mod penetration;
 mod single;
+mod surface_impact;
 
 use super::*;
 use crate::{InnerSphere, InnerSphereTree, SolidProperties, SpherePacking};
@@ -13,8 +14,7 @@ use glam::{Quat, Vec3};
 use glamx::Pose3;
 use proptest::prelude::*;
 
-/// Smallest radius of random spheres. A power of two, as all lower ends of ranges here: proptest 1.12 asserts in debug builds
-/// that a sample does not fall below an end, and it does by a rounding where that is no multiple of the upper end's.
+/// Smallest radius of random spheres.
 const SMALLEST: f32 = 1.0 / 1024.0;
 
 const KINDS: [BallKind; 2] = [BallKind::Inner, BallKind::Volume];
