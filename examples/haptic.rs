@@ -8,6 +8,7 @@ use ist::{Budget, InnerSphereTree, Overlap, OverlapWorkspace, SpherePacking, Tim
 use packer::{PackOptions, Solid, TriangleMesh, pack};
 use rapier_ist_examples::figures::percentile;
 use rapier_ist_examples::output::{check_folder_of, exit_code, write_whole};
+use rapier_ist_examples::run::Verdict;
 use rapier_ist_examples::waiting::Waiting;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -58,7 +59,7 @@ fn main() -> ExitCode {
     exit_code(run(&Arguments::parse()))
 }
 
-fn run(arguments: &Arguments) -> Result<()> {
+fn run(arguments: &Arguments) -> Result<Verdict> {
     if let Some(path) = &arguments.summary {
         check_folder_of(path)?;
     }
@@ -76,7 +77,7 @@ fn run(arguments: &Arguments) -> Result<()> {
     if let Some(path) = &arguments.summary {
         write_whole(path, serde_json::to_string_pretty(&summary)?.as_bytes())?;
     }
-    Ok(())
+    Ok(Verdict::Passed)
 }
 
 /// The tree of an `.ist` file, or of a mesh that is packed now.

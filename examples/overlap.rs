@@ -8,6 +8,7 @@ use ist::{InnerSphere, InnerSphereTree, OverlapWorkspace, SpherePacking};
 use packer::{PackOptions, Solid, TriangleMesh, pack};
 use rapier_ist_examples::figures::percentile;
 use rapier_ist_examples::output::{check_folder_of, exit_code, write_whole};
+use rapier_ist_examples::run::Verdict;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -70,7 +71,7 @@ fn main() -> ExitCode {
     exit_code(run(&Arguments::parse()))
 }
 
-fn run(arguments: &Arguments) -> Result<()> {
+fn run(arguments: &Arguments) -> Result<Verdict> {
     if let Some(path) = &arguments.out {
         check_folder_of(path)?;
     }
@@ -94,7 +95,7 @@ fn run(arguments: &Arguments) -> Result<()> {
     if let Some(path) = &arguments.out {
         write_whole(path, serde_json::to_string(&Results { poses: results })?.as_bytes())?;
     }
-    Ok(())
+    Ok(Verdict::Passed)
 }
 
 fn read_poses(path: &Path) -> Result<Vec<Pose3>> {

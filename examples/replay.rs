@@ -8,6 +8,7 @@ use rapier_ist_examples::output::{check_folder_of, exit_code, write_whole};
 use rapier_ist_examples::playback::Playback;
 use rapier_ist_examples::player::page;
 use rapier_ist_examples::render::PictureSize;
+use rapier_ist_examples::run::Verdict;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -50,7 +51,7 @@ fn main() -> ExitCode {
     exit_code(run(&Arguments::parse()))
 }
 
-fn run(arguments: &Arguments) -> Result<()> {
+fn run(arguments: &Arguments) -> Result<Verdict> {
     let Arguments { recording, csv, png, time, apng, rate, html } = arguments;
     for path in [csv, png, apng, html].into_iter().flatten() {
         check_folder_of(path)?;
@@ -79,7 +80,7 @@ fn run(arguments: &Arguments) -> Result<()> {
     for path in [csv, png, apng, html].into_iter().flatten() {
         println!("  wrote {}", path.display());
     }
-    Ok(())
+    Ok(Verdict::Passed)
 }
 
 /// The file's name without folder and ending.

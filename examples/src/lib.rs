@@ -1,4 +1,4 @@
-//! What the examples, tests and benchmarks share: generated meshes, scenes, figures, a headless renderer.
+//! What the examples, tests and benchmarks share: generated meshes, scenes, their runs, figures, a headless renderer.
 
 pub mod animation;
 pub mod figures;
@@ -8,6 +8,7 @@ pub mod playback;
 pub mod player;
 pub mod recording;
 pub mod render;
+pub mod run;
 pub mod scenes;
 pub mod shapes;
 pub mod waiting;
