@@ -6,6 +6,7 @@ pub mod output;
 pub mod palette;
 pub mod playback;
 pub mod player;
+pub mod poses;
 pub mod recording;
 pub mod render;
 pub mod run;
