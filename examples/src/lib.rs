@@ -12,4 +12,5 @@ pub mod render;
 pub mod run;
 pub mod scenes;
 pub mod shapes;
+pub mod submerged;
 pub mod waiting;
