@@ -52,7 +52,9 @@ impl Summary {
         let moving: Vec<&Body> = bodies.iter().filter(|body| set[body.handle].is_dynamic()).collect();
         let spheres = |body: &&Body| body.packing.map_or(0, |packing| packing.spheres().len());
         let speed = |body: &&Body| f64::from(set[body.handle].linvel().length());
-        let finite = bodies.iter().filter(|body| set[body.handle].position().is_finite());
+        // What has no collider, as a mark of a surface, is in nobody's way.
+        let solid = |body: &&Body| !set[body.handle].colliders().is_empty();
+        let finite = bodies.iter().filter(solid).filter(|body| set[body.handle].position().is_finite());
         let placed = finite
             .map(|body| PlacedSolid::new(body.solid, set[body.handle].position(), f64::from(body.scale)));
         Self {

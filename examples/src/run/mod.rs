@@ -91,13 +91,27 @@ pub fn run(simulation: &mut impl Simulation, arguments: &RunArguments) -> Result
         draw(simulation, arguments)?;
     }
     if let Some(path) = &arguments.summary {
-        write_summary(path, &summary, &checks)?;
+        write_summary(path, &figures_of(simulation, &summary), &checks)?;
     }
     let dt = f64::from(simulation.world().integration_parameters.dt);
     print!("{}, {:.1} s at {:.0} Hz\n{summary}", simulation.title(), arguments.steps as f64 * dt, dt.recip());
+    print!("{}", simulation.remarks());
     report(&checks);
     println!("  recording {}, picture {}", arguments.mcap.display(), arguments.png.display());
     Ok(verdict(&checks))
+}
+
+/// Figures that all runs have, with the simulation's own under `scene`.
+#[derive(Serialize)]
+struct Figures<'a> {
+    #[serde(flatten)]
+    summary: &'a Summary,
+    #[serde(skip_serializing_if = "serde_json::Value::is_null")]
+    scene: serde_json::Value,
+}
+
+fn figures_of<'a>(simulation: &impl Simulation, summary: &'a Summary) -> Figures<'a> {
+    Figures { summary, scene: simulation.figures() }
 }
 
 /// Writes the figures with the checks beside them as JSON.

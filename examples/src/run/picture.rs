@@ -12,20 +12,26 @@ pub fn draw(simulation: &impl Simulation, arguments: &RunArguments) -> Result<()
     let bodies = simulation.bodies();
     let meshes: Vec<Mesh> =
         bodies.iter().map(|body| Mesh::new(body.solid.mesh()).scaled(body.scale)).collect();
-    let mut scene = Scene::new();
+    let (mut scene, mut framed) = (Scene::new(), Scene::new());
+    let view = simulation.view();
+    for scene in [&mut scene, &mut framed] {
+        if let Some(plane) = view.cut {
+            scene.set_cut(plane);
+        }
+    }
     for (body, mesh) in bodies.iter().zip(&meshes) {
         let surface = Surface::new(body.color).section(body.section);
-        scene.add_mesh(mesh, *simulation.world().bodies[body.handle].position(), surface);
+        let pose = *simulation.world().bodies[body.handle].position();
+        scene.add_mesh(mesh, pose, surface);
+        if body.framed {
+            framed.add_mesh(mesh, pose, surface);
+        }
     }
-    let view = simulation.view();
     if let Some(height) = view.ground {
         scene.set_ground(height);
     }
-    if let Some(plane) = view.cut {
-        scene.set_cut(plane);
-    }
     simulation.decorate(&mut scene);
     let size = arguments.picture_size();
-    let camera = scene.framed_from(view.from, size);
+    let camera = framed.framed_from(view.from, size);
     scene.render(&camera, size).save_png(&arguments.png).context("cannot draw the picture")
 }

@@ -32,6 +32,16 @@ pub trait Simulation {
     /// for an assertion leaves it out.
     fn checks(&self, summary: &Summary) -> Vec<Check>;
 
+    /// Figures of its own, for the summary file.
+    fn figures(&self) -> serde_json::Value {
+        serde_json::Value::Null
+    }
+
+    /// Lines of its own, for the report.
+    fn remarks(&self) -> String {
+        String::new()
+    }
+
     /// Where the picture is taken from.
     fn view(&self) -> View {
         View::default()
@@ -70,6 +80,8 @@ pub struct Body<'a> {
     pub opacity: f32,
     /// What the view's cut does to it.
     pub section: Section,
+    /// Whether the camera frames it; else it may reach out of the picture.
+    pub framed: bool,
 }
 
 impl<'a> Body<'a> {
@@ -85,6 +97,7 @@ impl<'a> Body<'a> {
             color: palette::NEUTRAL,
             opacity: 1.0,
             section: Section::Whole,
+            framed: true,
         }
     }
 
@@ -122,9 +135,16 @@ impl<'a> Body<'a> {
         self.section = section;
         self
     }
+
+    /// Lets it reach out of the picture.
+    #[must_use]
+    pub fn unframed(mut self) -> Self {
+        self.framed = false;
+        self
+    }
 }
 
-/// Where a picture is taken from. The camera frames the scene by itself.
+/// Where a picture is taken from. The camera frames the bodies by itself.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
     /// Direction from the scene to the camera.

@@ -179,7 +179,7 @@ impl Simulation for Pile {
                 .scale(body.size)
                 .color(palette::color(body.model))
         };
-        let bowl = Body::new(self.bowl, "bowl", &self.bowl_solid).opacity(0.35);
+        let bowl = Body::new(self.bowl, "bowl", &self.bowl_solid).opacity(0.35).unframed();
         std::iter::once(bowl).chain(self.bodies.iter().enumerate().map(body)).collect()
     }
 

@@ -1,0 +1,77 @@
+//! Files of relative poses of two solids, with exact overlaps where they are known.
+
+use anyhow::{Context, Result, ensure};
+use glam::{Quat, Vec3};
+use glamx::Pose3;
+use serde::Deserialize;
+use std::path::Path;
+
+/// Poses of a solid B in the frame of a solid A.
+#[derive(Clone, Debug)]
+pub struct PoseFile {
+    /// Size of B relative to its mesh, where the file says.
+    pub scale_b: Option<f32>,
+    /// Volume of the smaller solid, where the file says.
+    pub smaller_volume: Option<f64>,
+    /// At least one pose.
+    pub poses: Vec<KnownPose>,
+}
+
+/// A pose of B in A's frame.
+#[derive(Clone, Copy, Debug)]
+pub struct KnownPose {
+    /// The pose itself, with a unit rotation.
+    pub pose: Pose3,
+    /// Exact volume of the overlap, where the file says.
+    pub volume: Option<f64>,
+}
+
+#[derive(Deserialize)]
+struct File {
+    scale_b: Option<f32>,
+    volume_a: Option<f64>,
+    volume_b: Option<f64>,
+    poses: Vec<Record>,
+}
+
+#[derive(Deserialize)]
+struct Record {
+    translation: [f32; 3],
+    rotation_xyzw: [f32; 4],
+    volume: Option<f64>,
+}
+
+impl PoseFile {
+    /// Reads a JSON file with `poses`, each of them `translation` and `rotation_xyzw`, and `volume` where it is known.
+    ///
+    /// # Errors
+    /// Where the file cannot be read, is no such file, or a pose is no pose.
+    pub fn load(path: &Path) -> Result<Self> {
+        let name = path.display();
+        let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {name}"))?;
+        let file: File = serde_json::from_str(&text).with_context(|| {
+            format!("{name} is not a pose file: it needs poses with translation and rotation_xyzw")
+        })?;
+        let known = |record: &Record| KnownPose {
+            pose: Pose3::from_parts(
+                Vec3::from_array(record.translation),
+                Quat::from_array(record.rotation_xyzw).normalize(),
+            ),
+            volume: record.volume,
+        };
+        let poses: Vec<KnownPose> = file.poses.iter().map(known).collect();
+        let finite = poses.iter().all(|known| known.pose.is_finite());
+        ensure!(finite, "{name}: a pose is not finite or its rotation is zero");
+        let smaller_volume = file.volume_a.zip(file.volume_b).map(|(a, b)| a.min(b));
+        Ok(Self { scale_b: file.scale_b, smaller_volume, poses })
+    }
+
+    /// Poses at which one solid is wholly inside the other, as far as the file says.
+    #[must_use]
+    pub fn contained(&self) -> Vec<Pose3> {
+        let whole = |known: &&KnownPose| {
+            known.volume.zip(self.smaller_volume).is_some_and(|(volume, smaller)| volume >= 0.9999 * smaller)
+        };
+        self.poses.iter().filter(whole).map(|known| known.pose).collect()
+    }
+}
