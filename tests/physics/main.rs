@@ -2,8 +2,10 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod analytic;
+mod bolt;
 mod chain;
 mod collision;
+mod gears;
 mod inside;
 mod pile;
 mod restitution;

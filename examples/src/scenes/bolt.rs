@@ -16,10 +16,11 @@ use std::f64::consts::TAU;
 
 /// Coarse: 9.1° of lead at the mean radius (m).
 const THREAD: ScrewThread = ScrewThread { radius: 0.1, depth: 0.05, pitch: 0.1, facets: [48, 24] };
-/// The nut's thread is wider by this radius (m). The balls of 5,000 spheres stand out of the flanks by some millimetres:
-/// with 4 mm the nut touches both flanks at once, and normal forces are nine times those of its weight.
-const PLAY: f64 = 0.013;
-/// Contact skin of both (m): about what the balls do not reach of the crests. Without it the nut leans by up to 3°.
+/// The nut's thread is wider by this radius (m). The balls of 5,000 spheres stand out of the flanks by some millimetres: with
+/// 8 mm the nut would touch both flanks at once, and normal forces at rest add up to 38 times its weight; with 16 mm to 1.24
+/// times, as on one flank. With 13 mm a nut of 1,000 spheres is stuck.
+const PLAY: f64 = 0.016;
+/// Contact skin of both (m): about what the balls do not reach of the crests.
 const SKIN: Real = 0.002;
 /// Width across flats of head and nut, height of the head, of the thread and of the nut (m).
 const ACROSS_FLATS: f64 = 0.36;
@@ -29,13 +30,13 @@ const HEIGHT: f64 = 0.2;
 /// Density of the nut (kg/m³).
 const DENSITY: Real = 1000.0;
 /// Where the nut's weight has settled on the thread, below the middle of the play (m).
-const SETTLED: f64 = 0.003;
+const SETTLED: f64 = 0.0025;
 /// Substeps of a step of 1/60 s.
 ///
-/// A nut that is measured once in a step turns no faster than 1.7 rad/s here: what moves in a step by more than half the
-/// solids' thickness is measured at the beginning of its way. Over three turns the nut's acceleration is 0.14 of that of the
-/// closed form with 1 substep, 0.4 with 4, 0.8 with 8 and 0.9 with 16 (without friction).
-const SUBSTEPS: u32 = 16;
+/// Without friction the nut's acceleration over the first two turns is 0.14 of that of the closed form with 1 substep, 0.64 with
+/// 4, 0.91 with 8, 0.90 with 16 and 0.89 with 32; its advance per turn is the pitch with all of them. With 1 it turns no faster
+/// than 1.7 rad/s: pairs that move by more than half the solids' thickness in a step are measured early on their way.
+const SUBSTEPS: u32 = 8;
 /// Coulomb friction by default: an oiled thread.
 const FRICTION: f64 = 0.02;
 /// The advance is measured from here on (turns): the nut has then settled on its flank.
@@ -43,7 +44,7 @@ const SETTLING: f64 = 0.25;
 /// The acceleration is measured between these (turns).
 const TIMED: [f64; 2] = [0.5, 2.0];
 /// How far the acceleration may be from that of the closed form: contacts damp what slides over bumps of spheres, so that it
-/// is 0.89 of it without friction and 0.81 with 0.02 (5,000 spheres).
+/// is 0.91 of it without friction and 0.88 with 0.02 (5,000 spheres).
 const ACCELERATION_TOLERANCE: f64 = 0.25;
 /// Steps after which a nut that turns must have turned twice.
 const TWO_TURNS_AFTER: usize = 170;
@@ -243,14 +244,15 @@ impl Simulation for Bolt {
             return checks;
         }
         let near = |value, tolerance| Wanted::Near { value, tolerance };
-        let advance = self.advance_per_turn().unwrap_or(f64::NAN);
-        checks.push(Check::new("advance per turn", advance, "m", near(THREAD.pitch, 0.05)));
+        let advance = |a| Check::new("advance per turn", a, "m", near(THREAD.pitch, 0.05));
         let acceleration = |a| Check::new("acceleration", a, "m/s²", near(ideal, ACCELERATION_TOLERANCE));
         let turns = Check::new("turns", self.turns(), "", Wanted::AtLeast(2.0));
         if self.friction <= FRICTION {
+            checks.push(advance(self.advance_per_turn().unwrap_or(f64::NAN)));
             checks.extend([turns, acceleration(self.acceleration().unwrap_or(f64::NAN))]);
         } else {
-            // Next to the friction that holds the nut its acceleration is the small difference of large forces.
+            // Next to the friction that holds the nut it may stop, and its acceleration is the small difference of large forces.
+            checks.extend(self.advance_per_turn().map(advance));
             checks.push(turns.reported());
             checks.extend(self.acceleration().map(|a| acceleration(a).reported()));
         }
