@@ -4,6 +4,7 @@ pub mod accuracy;
 pub mod animation;
 pub mod figures;
 pub mod output;
+pub mod pair;
 pub mod palette;
 pub mod playback;
 pub mod player;

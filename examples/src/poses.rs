@@ -13,7 +13,7 @@ pub struct PoseFile {
     pub scale_b: Option<f32>,
     /// Volume of the smaller solid, where the file says.
     pub smaller_volume: Option<f64>,
-    /// At least one pose.
+    /// The poses.
     pub poses: Vec<KnownPose>,
 }
 
@@ -64,6 +64,18 @@ impl PoseFile {
         ensure!(finite, "{name}: a pose is not finite or its rotation is zero");
         let smaller_volume = file.volume_a.zip(file.volume_b).map(|(a, b)| a.min(b));
         Ok(Self { scale_b: file.scale_b, smaller_volume, poses })
+    }
+
+    /// The same poses for a B of another size, for which nothing exact is known unless it is the file's.
+    #[must_use]
+    pub fn for_scale(mut self, scale_b: f32) -> Self {
+        if self.scale_b.is_some_and(|scale| (scale - scale_b).abs() > 1e-6 * scale) {
+            self.smaller_volume = None;
+            for known in &mut self.poses {
+                known.volume = None;
+            }
+        }
+        self
     }
 
     /// Poses at which one solid is wholly inside the other, as far as the file says.

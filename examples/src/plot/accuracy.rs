@@ -4,6 +4,7 @@ use super::{FONT, color};
 use anyhow::Result;
 use plotters::coord::Shift;
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 /// Bands of overlap, as a share of the smaller solid.
 pub const BAND_NAMES: [&str; 3] = ["shallow", "mid", "deep"];
@@ -36,7 +37,7 @@ pub fn accuracy(groups: &[Group], methods: [&str; 2]) -> Result<String> {
         root.fill(&WHITE)?;
         let (head, body) = root.split_vertically(34);
         for (index, name) in methods.iter().enumerate() {
-            let x = 70 + 250 * index as i32;
+            let x = 60 + 105 * index as i32;
             head.draw(&Rectangle::new([(x, 12), (x + 14, 26)], color(index).filled()))?;
             head.draw(&Text::new((*name).to_owned(), (x + 20, 11), (FONT, 15)))?;
         }
@@ -69,6 +70,7 @@ fn draw(panel: &DrawingArea<SVGBackend, Shift>, group: &Group) -> Result<()> {
         .axis_desc_style((FONT, 13))
         .label_style((FONT, 12))
         .draw()?;
+    let style = TextStyle::from((FONT, 12)).pos(Pos::new(HPos::Center, VPos::Bottom));
     for (band, errors) in group.errors.iter().enumerate() {
         for (method, error) in errors.iter().enumerate() {
             let Some(error) = error else { continue };
@@ -82,7 +84,7 @@ fn draw(panel: &DrawingArea<SVGBackend, Shift>, group: &Group) -> Result<()> {
             } else {
                 format!("{:.0}", 100.0 * error)
             };
-            chart.draw_series([Text::new(label, (middle - half, percent * 1.18), (FONT, 12))])?;
+            chart.draw_series([Text::new(label, (middle, percent * 1.04), style.clone())])?;
         }
     }
     Ok(())
