@@ -1,16 +1,17 @@
 //! Overlap of two solids at the poses of a file.
 
-use anyhow::{Result, bail, ensure};
+use anyhow::{Result, ensure};
 use clap::Parser;
 use glam::Vec3;
 use glamx::Pose3;
 use ist::{InnerSphereTree, OverlapWorkspace};
-use rapier_ist_examples::accuracy::{median_errors, plain};
+use rapier_ist_examples::accuracy::{compare, median_errors, trees};
 use rapier_ist_examples::figures::percentile;
 use rapier_ist_examples::output::{check_folder_of, exit_code, write_whole};
-use rapier_ist_examples::pair::{self, PairSolid};
-use rapier_ist_examples::plot::{self, BAND_NAMES, Group};
+use rapier_ist_examples::pair::{self, Cut, PairSolid};
+use rapier_ist_examples::plot::{self, BAND_NAMES};
 use rapier_ist_examples::poses::{KnownPose, PoseFile};
+use rapier_ist_examples::render::PictureSize;
 use rapier_ist_examples::run::{Check, Verdict, Wanted, report, verdict, write_summary};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -53,6 +54,9 @@ struct Arguments {
     /// Picture of the solids, cut open, at the pose whose overlap is nearest to a tenth of the smaller one.
     #[arg(long, value_name = "FILE.png")]
     png: Option<PathBuf>,
+    /// Width of the picture in pixels; 16:9.
+    #[arg(long, value_name = "PIXELS", default_value_t = 1280, value_parser = clap::value_parser!(u32).range(16..=7680))]
+    png_width: u32,
     /// Plot of the errors, with power cells and without, where the exact volumes are known.
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
@@ -117,11 +121,13 @@ fn run(arguments: &Arguments) -> Result<Verdict> {
     let [a, b] = &solids;
     if let Some(path) = plot {
         let name = arguments.poses.file_stem().unwrap_or_default().to_string_lossy();
-        write_whole(path, error_plot(&name, &file, &solids)?.as_bytes())?;
+        let groups = [compare(&name, &file, &solids)?];
+        write_whole(path, plot::accuracy(&groups)?.as_bytes())?;
     }
     if let Some(path) = png {
         let (pose, at) = typical(&file, &trees, &results);
-        pair::draw([a, b], &pose, at, path)?;
+        let size = PictureSize::wide(arguments.png_width);
+        pair::draw([a, b], &Cut { pose, at, size }, path)?;
     }
     if let Some(path) = mcap {
         let poses: Vec<Pose3> = file.poses.iter().map(|known| known.pose).collect();
@@ -145,17 +151,6 @@ fn load(arguments: &Arguments) -> Result<[PairSolid; 2]> {
     };
     ensure!(arguments.limits.is_empty() || arguments.limits.len() == 3, "--limits needs three numbers");
     Ok([a, PairSolid { scale: arguments.scale_b, ..b }])
-}
-
-/// The trees, of power cells or of plain inner balls.
-fn trees([a, b]: &[PairSolid; 2], is_plain: bool) -> Result<[InnerSphereTree; 2]> {
-    let tree = |solid: &PairSolid| {
-        if !is_plain {
-            return solid.tree();
-        }
-        PairSolid { packing: plain(&solid.packing)?, ..solid.clone() }.tree()
-    };
-    Ok([tree(a)?, tree(b)?])
 }
 
 fn measure_all([a, b]: &[InnerSphereTree; 2], poses: &[KnownPose]) -> Vec<OverlapRecord> {
@@ -208,20 +203,6 @@ fn checks(file: &PoseFile, results: &[OverlapRecord], figures: &Figures, limits:
         checks.push(Check::new(format!("error of the volume, {name}"), 100.0 * error, "%", wanted));
     }
     checks
-}
-
-/// The errors with power cells and of plain inner balls.
-fn error_plot(name: &str, file: &PoseFile, solids: &[PairSolid; 2]) -> Result<String> {
-    let Some(smaller) = file.smaller_volume else {
-        bail!("no errors to plot: the pose file does not have the exact volumes for this --scale-b")
-    };
-    let errors = |is_plain| -> Result<_> {
-        let results = measure_all(&trees(solids, is_plain)?, &file.poses);
-        Ok(median_errors(&volumes(file, &results), smaller))
-    };
-    let (cells, plain) = (errors(false)?, errors(true)?);
-    let errors = std::array::from_fn(|band| [cells[band], plain[band]]);
-    plot::accuracy(&[Group { name: name.to_owned(), errors }], ["power cells", "plain inner spheres"])
 }
 
 /// The pose whose overlap is nearest to a tenth of the smaller solid, and the overlap's centroid there.

@@ -36,9 +36,15 @@ struct Arguments {
     /// Time of the picture (s); the end if not given.
     #[arg(long, requires = "png")]
     time: Option<f64>,
-    /// Animation as an animated PNG, 480 × 270 pixels.
+    /// Animation as an animated PNG.
     #[arg(long, value_name = "FILE.png")]
     apng: Option<PathBuf>,
+    /// Width of the animation in pixels; 16:9.
+    #[arg(long, value_name = "PIXELS", default_value_t = 480, value_parser = clap::value_parser!(u32).range(16..=7680))]
+    apng_width: u32,
+    /// Where the animation ends (s); the recording's end if not given.
+    #[arg(long, requires = "apng")]
+    until: Option<f64>,
     /// Pictures per second of the animation.
     #[arg(long, default_value_t = 15, value_parser = clap::value_parser!(u16).range(1..=120))]
     rate: u16,
@@ -53,15 +59,12 @@ struct Arguments {
     html: Option<PathBuf>,
 }
 
-/// Size of animations: at 15 pictures a second, ten seconds of the pile are 13 MB.
-const ANIMATION: PictureSize = PictureSize { width: 480, height: 270 };
-
 fn main() -> ExitCode {
     exit_code(run(&Arguments::parse()))
 }
 
 fn run(arguments: &Arguments) -> Result<Verdict> {
-    let Arguments { recording, csv, png, time, apng, rate, plot, summary, html } = arguments;
+    let Arguments { recording, csv, png, time, apng, rate, until, plot, summary, html, .. } = arguments;
     for path in [csv, png, apng, plot, summary, html].into_iter().flatten() {
         check_folder_of(path)?;
     }
@@ -82,10 +85,12 @@ fn run(arguments: &Arguments) -> Result<Verdict> {
         picture.save_png(path).context("cannot draw the picture")?;
     }
     if let Some(path) = apng {
-        let camera = playback.camera(ANIMATION);
-        let count = (replay.duration() * f64::from(*rate)) as u32 + 1;
+        let size = PictureSize::wide(arguments.apng_width);
+        let camera = playback.camera(size);
+        let end = until.unwrap_or(f64::INFINITY).clamp(0.0, replay.duration());
+        let count = (end * f64::from(*rate)) as u32 + 1;
         let times = (0..count).map(|frame| f64::from(frame) / f64::from(*rate));
-        let pictures: Vec<_> = times.map(|time| playback.picture(time, &camera, ANIMATION)).collect();
+        let pictures: Vec<_> = times.map(|time| playback.picture(time, &camera, size)).collect();
         save_apng(path, &pictures, *rate).context("cannot draw the animation")?;
     }
     if let Some(path) = plot {

@@ -9,7 +9,8 @@ use glam::{Quat, Vec3};
 use glamx::Pose3;
 use ist::{Budget, InnerSphereTree, Overlap, OverlapWorkspace, TimeCriticalWorkspace};
 use rapier_ist_examples::output::{check_folder_of, exit_code};
-use rapier_ist_examples::pair::{self, PairSolid};
+use rapier_ist_examples::pair::{self, Cut, PairSolid};
+use rapier_ist_examples::render::PictureSize;
 use rapier_ist_examples::run::{Check, Verdict, Wanted, report, verdict, write_summary};
 use rapier_ist_examples::waiting::Waiting;
 use std::path::PathBuf;
@@ -50,6 +51,9 @@ struct Arguments {
     /// Picture of the solids, cut open, where they are deepest in each other.
     #[arg(long, value_name = "FILE.png")]
     png: Option<PathBuf>,
+    /// Width of the picture in pixels; 16:9.
+    #[arg(long, value_name = "PIXELS", default_value_t = 1280, value_parser = clap::value_parser!(u32).range(16..=7680))]
+    png_width: u32,
     /// Figures and checks as JSON.
     #[arg(long, value_name = "FILE.json")]
     summary: Option<PathBuf>,
@@ -97,7 +101,8 @@ fn run(arguments: &Arguments) -> Result<Verdict> {
     let pair = [&first, &second];
     if let Some(path) = &arguments.png {
         let at = ticks.get(ticks.len() / 2).map_or(Vec3::ZERO, |tick| tick.full.overlap.centroid);
-        pair::draw(pair, &pose(&a, &b, 0.5), at, path)?;
+        let size = PictureSize::wide(arguments.png_width);
+        pair::draw(pair, &Cut { pose: pose(&a, &b, 0.5), at, size }, path)?;
     }
     if let Some(path) = &arguments.mcap {
         let poses: Vec<Pose3> =

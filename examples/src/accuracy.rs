@@ -1,8 +1,11 @@
 //! Overlap volumes against exact ones, band by band.
 
 use crate::figures::percentile;
-use anyhow::Result;
-use ist::{InnerSphere, SpherePacking};
+use crate::pair::PairSolid;
+use crate::plot::Group;
+use crate::poses::PoseFile;
+use anyhow::{Context, Result};
+use ist::{InnerSphere, InnerSphereTree, OverlapWorkspace, SpherePacking};
 
 /// Upper ends of the bands as shares of the smaller solid: touches are in none, as what is wholly inside.
 const BANDS: [f64; 5] = [0.002, 0.05, 0.25, 0.9999, f64::INFINITY];
@@ -25,11 +28,44 @@ pub fn median_errors(pairs: &[(f64, f64)], smaller: f64) -> [Option<f64>; 3] {
     })
 }
 
+/// Trees of two solids, of their power cells or of plain inner balls.
+///
+/// # Errors
+/// Where a solid's scale is no size.
+pub fn trees([a, b]: &[PairSolid; 2], is_plain: bool) -> Result<[InnerSphereTree; 2]> {
+    let tree = |solid: &PairSolid| {
+        if !is_plain {
+            return solid.tree();
+        }
+        PairSolid { packing: plain(&solid.packing)?, ..solid.clone() }.tree()
+    };
+    Ok([tree(a)?, tree(b)?])
+}
+
+/// Median errors with power cells beside those of plain inner balls, for a plot.
+///
+/// # Errors
+/// Where no exact volume is known.
+pub fn compare(name: &str, file: &PoseFile, solids: &[PairSolid; 2]) -> Result<Group> {
+    let smaller = file.smaller_volume.with_context(|| {
+        format!("no errors to plot: {name} does not have the exact volumes for this size of B (--scale-b)")
+    })?;
+    let errors = |is_plain| -> Result<_> {
+        let ([a, b], mut workspace) = (trees(solids, is_plain)?, OverlapWorkspace::default());
+        let measured = file.poses.iter().filter_map(|known| {
+            Some((f64::from(a.overlap(&b, &known.pose, &mut workspace).volume), known.volume?))
+        });
+        Ok(median_errors(&measured.collect::<Vec<_>>(), smaller))
+    };
+    let (cells, plain) = (errors(false)?, errors(true)?);
+    Ok(Group { name: name.to_owned(), errors: std::array::from_fn(|band| [cells[band], plain[band]]) })
+}
+
 /// The packing with every power cell cut down to its inner ball: the plain method.
 ///
 /// # Errors
 /// Never for a valid packing.
-pub fn plain(packing: &SpherePacking) -> Result<SpherePacking> {
+fn plain(packing: &SpherePacking) -> Result<SpherePacking> {
     let ball = |s: &InnerSphere| InnerSphere::solid_ball(s.center, s.radius, s.normal);
     Ok(SpherePacking::new(packing.spheres().iter().map(ball).collect(), *packing.solid())?)
 }

@@ -56,16 +56,28 @@ impl PairSolid {
     }
 }
 
-/// Draws both solids cut open at `at`, a point in A's frame, with their inner balls; B stands at `pose` in A's frame.
+/// Where a pair is cut open.
+#[derive(Clone, Copy, Debug)]
+pub struct Cut {
+    /// Pose of B in A's frame.
+    pub pose: Pose3,
+    /// A point of the plane, which faces along z, in A's frame (m).
+    pub at: Vec3,
+    /// Of the picture.
+    pub size: PictureSize,
+}
+
+/// Draws both solids cut open, with their inner balls.
 ///
 /// # Errors
 /// Where the file cannot be written.
-pub fn draw(solids: [&PairSolid; 2], pose: &Pose3, at: Vec3, path: &Path) -> Result<()> {
+pub fn draw(solids: [&PairSolid; 2], cut: &Cut, path: &Path) -> Result<()> {
     let mesh = |solid: &PairSolid| solid.solid.as_ref().map(|s| Mesh::new(s.mesh()).scaled(solid.scale));
     let meshes = solids.map(mesh);
     let mut scene = Scene::new();
-    scene.set_cut(CutPlane { point: at, normal: Vec3::Z });
-    for (index, ((solid, mesh), pose)) in solids.iter().zip(&meshes).zip([Pose3::IDENTITY, *pose]).enumerate()
+    scene.set_cut(CutPlane { point: cut.at, normal: Vec3::Z });
+    for (index, ((solid, mesh), pose)) in
+        solids.iter().zip(&meshes).zip([Pose3::IDENTITY, cut.pose]).enumerate()
     {
         let surface = Surface::new(palette::color(index)).section(Section::Hollow);
         scene.add_balls(solid.balls(), pose, surface);
@@ -73,9 +85,8 @@ pub fn draw(solids: [&PairSolid; 2], pose: &Pose3, at: Vec3, path: &Path) -> Res
             scene.add_mesh(mesh, pose, surface);
         }
     }
-    let size = PictureSize::HD;
-    let camera = scene.framed_from(Vec3::new(0.2, 0.25, 1.0), size);
-    scene.render(&camera, size).save_png(path).context("cannot draw the picture")
+    let camera = scene.framed_from(Vec3::new(0.2, 0.25, 1.0), cut.size);
+    scene.render(&camera, cut.size).save_png(path).context("cannot draw the picture")
 }
 
 /// Records B at all of `poses`, in A's frame, one after the other in steps of `dt` (s); of every `every` steps one.

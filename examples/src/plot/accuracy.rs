@@ -1,4 +1,4 @@
-//! Error of the overlap volume by how much two solids overlap, of one method beside another.
+//! Error of the overlap volume by how much two solids overlap, with power cells and of plain inner spheres.
 
 use super::{FONT, color};
 use anyhow::Result;
@@ -14,12 +14,14 @@ pub const BAND_NAMES: [&str; 3] = ["shallow", "mid", "deep"];
 pub struct Group {
     /// The pair.
     pub name: String,
-    /// Median relative errors of the volume per band, of the first method and the second; none where no pose is in the
+    /// Median relative errors of the volume per band, with power cells and of plain inner spheres; none where no pose is in the
     /// band.
     pub errors: [[Option<f64>; 2]; 3],
 }
 
-const PANEL: (u32, u32) = (270, 330);
+/// What is compared.
+const METHODS: [&str; 2] = ["power cells", "plain inner spheres"];
+const PANEL: (u32, u32) = (310, 330);
 /// Per cent, on a logarithmic scale.
 const ERRORS: std::ops::Range<f64> = 0.05..100.0;
 /// Half the width of a bar, and its distance from the middle of its band.
@@ -29,15 +31,15 @@ const BAR: [f64; 2] = [0.17, 0.19];
 ///
 /// # Errors
 /// Never for a string; the library's own otherwise.
-pub fn accuracy(groups: &[Group], methods: [&str; 2]) -> Result<String> {
+pub fn accuracy(groups: &[Group]) -> Result<String> {
     let mut text = String::new();
     {
         let size = (PANEL.0 * groups.len().max(1) as u32, PANEL.1 + 34);
         let root = SVGBackend::with_string(&mut text, size).into_drawing_area();
         root.fill(&WHITE)?;
         let (head, body) = root.split_vertically(34);
-        for (index, name) in methods.iter().enumerate() {
-            let x = 60 + 105 * index as i32;
+        for (index, name) in METHODS.iter().enumerate() {
+            let x = 56 + 105 * index as i32;
             head.draw(&Rectangle::new([(x, 12), (x + 14, 26)], color(index).filled()))?;
             head.draw(&Text::new((*name).to_owned(), (x + 20, 11), (FONT, 15)))?;
         }

@@ -79,7 +79,7 @@ impl RunArguments {
     /// Size of the picture.
     #[must_use]
     pub fn picture_size(&self) -> PictureSize {
-        PictureSize { width: self.png_width, height: self.png_width * 9 / 16 }
+        PictureSize::wide(self.png_width)
     }
 
     /// The step after which the picture is taken, where it is not the end.
