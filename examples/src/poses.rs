@@ -87,3 +87,34 @@ impl PoseFile {
         self.poses.iter().filter(whole).map(|known| known.pose).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn load(text: &str) -> Result<PoseFile> {
+        let file = tempfile::NamedTempFile::new()?;
+        std::fs::write(file.path(), text)?;
+        PoseFile::load(file.path())
+    }
+
+    #[test]
+    fn exact_volumes_belong_to_a_size() {
+        let text = r#"{"scale_b": 0.5, "volume_a": 8.0, "volume_b": 1.0, "poses": [
+            {"translation": [1, 2, 3], "rotation_xyzw": [0, 0, 0, 2], "volume": 1.0},
+            {"translation": [1, 2, 4], "rotation_xyzw": [0, 0, 0, 1], "volume": 0.5}]}"#;
+        let file = load(text).unwrap();
+        assert_eq!(file.contained(), [Pose3::translation(1.0, 2.0, 3.0)]);
+        assert_eq!(file.clone().for_scale(0.5).poses[1].volume, Some(0.5));
+        let other = file.for_scale(1.0);
+        assert!(other.smaller_volume.is_none() && other.poses.iter().all(|known| known.volume.is_none()));
+    }
+
+    #[test]
+    fn what_is_no_pose_is_refused() {
+        for text in ["", "{}", r#"{"poses": [{"translation": [0, 0, 0], "rotation_xyzw": [0, 0, 0, 0]}]}"#] {
+            assert!(load(text).is_err(), "{text}");
+        }
+        assert!(load(r#"{"poses": []}"#).unwrap().contained().is_empty());
+    }
+}

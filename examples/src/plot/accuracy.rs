@@ -23,7 +23,7 @@ pub struct Group {
 const METHODS: [&str; 2] = ["power cells", "plain inner spheres"];
 const PANEL: (u32, u32) = (310, 330);
 /// Per cent, on a logarithmic scale.
-const ERRORS: std::ops::Range<f64> = 0.05..100.0;
+const ERRORS: std::ops::Range<f64> = 0.05..150.0;
 /// Half the width of a bar, and its distance from the middle of its band.
 const BAR: [f64; 2] = [0.17, 0.19];
 
@@ -90,4 +90,18 @@ fn draw(panel: &DrawingArea<SVGBackend, Shift>, group: &Group) -> Result<()> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_error_stands_in_the_plot() {
+        let errors = [[Some(0.027), Some(0.6)], [Some(0.001), Some(0.37)], [None, None]];
+        let text = accuracy(&[Group { name: "this pair".to_owned(), errors }]).unwrap();
+        for word in ["this pair", "2.7", "60", "0.1", "37", "shallow", "deep", METHODS[0], METHODS[1]] {
+            assert!(text.contains(word), "{word}");
+        }
+    }
 }

@@ -123,3 +123,41 @@ fn draw(panel: &Panel, chart: &Chart, end: f64, is_last: bool) -> Result<()> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rapier_ist::IstPlugin;
+    use rapier_ist::record::{RecordOptions, Recorder};
+    use rapier3d::dynamics::RigidBodyBuilder;
+    use rapier3d::pipeline::PhysicsWorld;
+    use std::io::Cursor;
+
+    fn replay(options: RecordOptions) -> Replay {
+        let mut world = PhysicsWorld::new();
+        let mut plugin = IstPlugin::install(&mut world);
+        world.insert_body(RigidBodyBuilder::dynamic().additional_mass(2.0));
+        let mut file = Cursor::new(Vec::new());
+        let mut recorder = Recorder::new(&mut file, options).unwrap();
+        for _ in 0..10 {
+            plugin.step(&mut world);
+            recorder.record(&world, plugin.report()).unwrap();
+        }
+        recorder.finish().unwrap();
+        Replay::from_bytes(&file.into_inner()).unwrap()
+    }
+
+    #[test]
+    fn what_was_recorded_is_plotted() {
+        let titles = ["energy (J)", "deepest overlap (mm)", "step time (ms)"];
+        let plain = course(&replay(RecordOptions::contacts())).unwrap();
+        let timed = course(&replay(RecordOptions::contacts().timings(true))).unwrap();
+        assert_eq!(titles.map(|title| plain.contains(title)), [true, true, false]);
+        assert_eq!(titles.map(|title| timed.contains(title)), [true; 3]);
+    }
+
+    #[test]
+    fn poses_alone_cannot_be_plotted() {
+        assert!(course(&replay(RecordOptions::poses())).is_err());
+    }
+}
