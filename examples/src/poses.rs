@@ -13,7 +13,7 @@ pub struct PoseFile {
     pub scale_b: Option<f32>,
     /// Volume of the smaller solid, where the file says.
     pub smaller_volume: Option<f64>,
-    /// At least one pose.
+    /// The poses.
     pub poses: Vec<KnownPose>,
 }
 
@@ -66,6 +66,18 @@ impl PoseFile {
         Ok(Self { scale_b: file.scale_b, smaller_volume, poses })
     }
 
+    /// The same poses for a B of another size, for which nothing exact is known unless it is the file's.
+    #[must_use]
+    pub fn for_scale(mut self, scale_b: f32) -> Self {
+        if self.scale_b.is_some_and(|scale| (scale - scale_b).abs() > 1e-6 * scale) {
+            self.smaller_volume = None;
+            for known in &mut self.poses {
+                known.volume = None;
+            }
+        }
+        self
+    }
+
     /// Poses at which one solid is wholly inside the other, as far as the file says.
     #[must_use]
     pub fn contained(&self) -> Vec<Pose3> {
@@ -73,5 +85,36 @@ impl PoseFile {
             known.volume.zip(self.smaller_volume).is_some_and(|(volume, smaller)| volume >= 0.9999 * smaller)
         };
         self.poses.iter().filter(whole).map(|known| known.pose).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn load(text: &str) -> Result<PoseFile> {
+        let file = tempfile::NamedTempFile::new()?;
+        std::fs::write(file.path(), text)?;
+        PoseFile::load(file.path())
+    }
+
+    #[test]
+    fn exact_volumes_belong_to_a_size() {
+        let text = r#"{"scale_b": 0.5, "volume_a": 8.0, "volume_b": 1.0, "poses": [
+            {"translation": [1, 2, 3], "rotation_xyzw": [0, 0, 0, 2], "volume": 1.0},
+            {"translation": [1, 2, 4], "rotation_xyzw": [0, 0, 0, 1], "volume": 0.5}]}"#;
+        let file = load(text).unwrap();
+        assert_eq!(file.contained(), [Pose3::translation(1.0, 2.0, 3.0)]);
+        assert_eq!(file.clone().for_scale(0.5).poses[1].volume, Some(0.5));
+        let other = file.for_scale(1.0);
+        assert!(other.smaller_volume.is_none() && other.poses.iter().all(|known| known.volume.is_none()));
+    }
+
+    #[test]
+    fn what_is_no_pose_is_refused() {
+        for text in ["", "{}", r#"{"poses": [{"translation": [0, 0, 0], "rotation_xyzw": [0, 0, 0, 0]}]}"#] {
+            assert!(load(text).is_err(), "{text}");
+        }
+        assert!(load(r#"{"poses": []}"#).unwrap().contained().is_empty());
     }
 }

@@ -82,6 +82,12 @@ impl PictureSize {
     /// 1280 × 720.
     pub const HD: Self = Self { width: 1280, height: 720 };
 
+    /// 16:9, `width` pixels wide.
+    #[must_use]
+    pub fn wide(width: u32) -> Self {
+        Self { width, height: width * 9 / 16 }
+    }
+
     pub(super) fn aspect(self) -> f32 {
         self.width.max(1) as f32 / self.height.max(1) as f32
     }

@@ -51,12 +51,15 @@ pub struct Defaults {
 /// Reads the command line; ends the program where it asks for help or cannot be understood.
 #[must_use]
 pub fn parse<A: Parser>(defaults: &Defaults) -> A {
+    A::from_arg_matches(&command::<A>(defaults).get_matches()).unwrap_or_else(|error| error.exit())
+}
+
+fn command<A: Parser>(defaults: &Defaults) -> clap::Command {
     let Defaults { steps, spheres, mcap, png } = *defaults;
-    let mut command = A::command();
-    for (name, value) in [("steps", steps), ("spheres", spheres), ("mcap", mcap), ("png", png)] {
-        command = command.mut_arg(name, |argument| argument.default_value(value).required(false));
-    }
-    A::from_arg_matches(&command.get_matches()).unwrap_or_else(|error| error.exit())
+    let values = [("steps", steps), ("spheres", spheres), ("mcap", mcap), ("png", png)];
+    values.into_iter().fold(A::command(), |command, (name, value)| {
+        command.mut_arg(name, |argument| argument.default_value(value).required(false))
+    })
 }
 
 impl RunArguments {
@@ -79,11 +82,48 @@ impl RunArguments {
     /// Size of the picture.
     #[must_use]
     pub fn picture_size(&self) -> PictureSize {
-        PictureSize { width: self.png_width, height: self.png_width * 9 / 16 }
+        PictureSize::wide(self.png_width)
     }
 
     /// The step after which the picture is taken, where it is not the end.
     pub(super) fn picture_step(&self) -> Option<usize> {
         self.png_time.map(|time| (time * 60.0).round() as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::FromArgMatches;
+
+    #[derive(Parser, Debug)]
+    struct Example {
+        #[command(flatten)]
+        run: RunArguments,
+    }
+
+    const DEFAULTS: Defaults = Defaults { steps: "90", spheres: "50", mcap: "a.mcap", png: "a.png" };
+
+    fn parsed(line: &[&str]) -> RunArguments {
+        let matches = command::<Example>(&DEFAULTS).get_matches_from([&["example"], line].concat());
+        Example::from_arg_matches(&matches).unwrap().run
+    }
+
+    #[test]
+    fn examples_have_defaults_of_their_own() {
+        let arguments = parsed(&[]);
+        assert_eq!((arguments.steps, arguments.spheres), (90, 50));
+        assert_eq!((arguments.mcap, arguments.png), ("a.mcap".into(), "a.png".into()));
+        assert_eq!(parsed(&["--steps", "7"]).steps, 7);
+    }
+
+    #[test]
+    fn what_cannot_be_done_is_refused_before_anything_is_done() {
+        assert!(parsed(&[]).check().is_ok());
+        let refused: [&[&str]; 4] =
+            [&["--spheres=0"], &["--png-time=2"], &["--png-time=-0.5"], &["--mcap=/nowhere/a.mcap"]];
+        for line in refused {
+            assert!(parsed(line).check().is_err(), "{line:?}");
+        }
     }
 }

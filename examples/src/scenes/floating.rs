@@ -262,6 +262,19 @@ fn beam_draught(side: f64, share: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::figures::Timings;
+    use crate::run::{Verdict, verdict};
+
+    #[test]
+    fn few_spheres_are_enough_to_float() {
+        let mut floating = Floating::new(300, |_| ()).unwrap();
+        for _ in 0..RESTS_AFTER {
+            Simulation::step(&mut floating);
+        }
+        let checks = floating.checks(&Summary::of(&floating, &Timings::default()));
+        assert_eq!(checks.len(), 17);
+        assert_eq!(verdict(&checks), Verdict::Passed, "{checks:#?}");
+    }
 
     #[test]
     fn a_beam_as_heavy_as_half_its_water_sinks_to_its_diagonal() {
