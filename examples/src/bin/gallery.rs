@@ -22,6 +22,8 @@ const COMMANDS: &[&str] = &[
     "--example chain -- --png-time 2.5 --png-width 480 --png DOCS/gallery/chain.png --mcap TMP/chain.mcap",
     "--example inside -- --png-time 1 --png-width 480 --png DOCS/gallery/inside.png --mcap TMP/inside.mcap",
     "--example buoyancy -- --png-width 480 --png DOCS/gallery/buoyancy.png --mcap TMP/buoyancy.mcap",
+    "--example gears -- --steps 600 --png-width 480 --png DOCS/gallery/gears.png --mcap TMP/gears.mcap",
+    "--example bolt -- --png-time 2.5 --png-width 480 --png DOCS/gallery/bolt.png --mcap TMP/bolt.mcap",
     "--example overlap -- assets/bunny.obj assets/bunny.obj tests/data/bunny_bunny.json --png-width 480 --png DOCS/gallery/overlap.png",
     "--example haptic -- --seconds 1 --png-width 480 --png DOCS/gallery/haptic.png",
     "--example replay -- TMP/pile.mcap --plot DOCS/gallery/pile.svg --apng DOCS/gallery/replay.png --apng-width 240 --until 2.5 --rate 12",
