@@ -16,7 +16,7 @@ use glam::Vec3;
 use ist::{InnerSphere, SolidProperties, SpherePacking};
 use packer::{PackOptions, Solid, pack};
 use rapier_ist::{IstPlugin, IstShape, Stiffness, VolumePenalty};
-use rapier_ist_examples::run::Simulation as _;
+use rapier_ist_examples::run::Simulation;
 use rapier_ist_examples::scenes::{Pile, PileOptions};
 use rapier_ist_examples::shapes;
 use rapier3d::prelude::*;

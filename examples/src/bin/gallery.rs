@@ -16,17 +16,18 @@ use rapier_ist_examples::scenes::asset_folder;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Commands after `cargo run --release`, with `DOCS` and `TMP` for the folders.
+/// Commands after `cargo run --release`, with `DOCS` and `TMP` for the folders. The package is named so that nothing is built
+/// again that was built for this program.
 const COMMANDS: &[&str] = &[
-    "--example pile -- --timings --png-width 960 --png DOCS/pile.png --mcap TMP/pile.mcap",
-    "--example chain -- --png-time 2.5 --png-width 480 --png DOCS/gallery/chain.png --mcap TMP/chain.mcap",
-    "--example inside -- --png-time 1 --png-width 480 --png DOCS/gallery/inside.png --mcap TMP/inside.mcap",
-    "--example buoyancy -- --png-width 480 --png DOCS/gallery/buoyancy.png --mcap TMP/buoyancy.mcap",
-    "--example gears -- --steps 600 --png-width 480 --png DOCS/gallery/gears.png --mcap TMP/gears.mcap",
-    "--example bolt -- --png-time 2.5 --png-width 480 --png DOCS/gallery/bolt.png --mcap TMP/bolt.mcap",
-    "--example overlap -- assets/bunny.obj assets/bunny.obj tests/data/bunny_bunny.json --png-width 480 --png DOCS/gallery/overlap.png",
-    "--example haptic -- --seconds 1 --png-width 480 --png DOCS/gallery/haptic.png",
-    "--example replay -- TMP/pile.mcap --plot DOCS/gallery/pile.svg --apng DOCS/gallery/replay.png --apng-width 240 --until 2.5 --rate 12",
+    "-p rapier-ist-examples --example pile -- --timings --png-width 960 --png DOCS/pile.png --mcap TMP/pile.mcap",
+    "-p rapier-ist-examples --example chain -- --png-time 2.5 --png-width 480 --png DOCS/gallery/chain.png --mcap TMP/chain.mcap",
+    "-p rapier-ist-examples --example inside -- --png-time 1 --png-width 480 --png DOCS/gallery/inside.png --mcap TMP/inside.mcap",
+    "-p rapier-ist-examples --example buoyancy -- --png-width 480 --png DOCS/gallery/buoyancy.png --mcap TMP/buoyancy.mcap",
+    "-p rapier-ist-examples --example gears -- --steps 600 --png-width 480 --png DOCS/gallery/gears.png --mcap TMP/gears.mcap",
+    "-p rapier-ist-examples --example bolt -- --png-time 2.5 --png-width 480 --png DOCS/gallery/bolt.png --mcap TMP/bolt.mcap",
+    "-p rapier-ist-examples --example overlap -- assets/bunny.obj assets/bunny.obj tests/data/bunny_bunny.json --png-width 480 --png DOCS/gallery/overlap.png",
+    "-p rapier-ist-examples --example haptic -- --seconds 1 --png-width 480 --png DOCS/gallery/haptic.png",
+    "-p rapier-ist-examples --example replay -- TMP/pile.mcap --plot DOCS/gallery/pile.svg --apng DOCS/gallery/replay.png --apng-width 240 --until 2.5 --rate 12",
     "-p rapier-ist-packer --bin packer -- pack assets/bunny.obj -o TMP/bunny.ist --preview DOCS/packing.png",
 ];
 

@@ -26,15 +26,14 @@ impl WaterBlock {
         let (a, b) = (to(self.lower), to(self.upper));
         let (near, far) = (a.min(b), a.max(b));
         let (enter, leave) = (near.max_element().max(0.0), far.min_element().min(end));
-        // Also false for what is not a number, from a ray along a face.
-        if !(enter < leave) {
-            return None;
-        }
-        let length = direction.length();
-        let cosine = if near.max_element() == near.y { (direction.y / length).abs() } else { 1.0 };
-        // C. Schlick, An inexpensive BRDF model for physically-based rendering (1994).
-        let reflected = REFLECTANCE + (1.0 - REFLECTANCE) * (1.0 - cosine).powi(5);
-        Some(Crossing { length: (leave - enter) * length, reflected })
+        // A ray along a face makes what is not a number, and crosses nothing.
+        (enter < leave).then(|| {
+            let length = direction.length();
+            let cosine = if near.max_element() == near.y { (direction.y / length).abs() } else { 1.0 };
+            // C. Schlick, An inexpensive BRDF model for physically-based rendering (1994).
+            let reflected = REFLECTANCE + (1.0 - REFLECTANCE) * (1.0 - cosine).powi(5);
+            Crossing { length: (leave - enter) * length, reflected }
+        })
     }
 }
 
