@@ -54,7 +54,7 @@ fn run(kind: ShapeKind) -> Result<String, Box<dyn Error>> {
     let [median, p95] = [0.5, 0.95].map(|share| percentile(&awake, share));
     let quiet = percentile(&asleep, 0.5);
     awake.append(&mut asleep);
-    let summary = Summary::of_pile(&pile, &Timings { step: awake, query: Vec::new() });
+    let summary = Summary::of(&pile, &Timings { step: awake, query: Vec::new() });
     let energy: f32 = pile.bodies.iter().map(|body| pile.world.bodies[body.handle].kinetic_energy()).sum();
     let rest = if resting > 0 { format!("{:.1} s", moving as f64 / 60.0) } else { "–".into() };
     let quiet = if resting > 0 { format!("{quiet:.2}") } else { "–".into() };

@@ -7,7 +7,7 @@
 use criterion::{Criterion, criterion_group};
 use rapier_ist::record::{RecordOptions, Recorder};
 use rapier_ist_examples::figures::percentile;
-use rapier_ist_examples::recording::describe_pile;
+use rapier_ist_examples::recording::describe;
 use rapier_ist_examples::scenes::{Pile, PileOptions};
 use std::error::Error;
 use std::fs::File;
@@ -42,7 +42,7 @@ impl Run {
             Some(options) => {
                 let path = std::env::temp_dir().join(format!("rapier-ist bench {name}.mcap"));
                 let mut recorder = Recorder::create(path, options)?;
-                describe_pile(&mut recorder, &pile)?;
+                describe(&mut recorder, &pile)?;
                 recorder.record_start(&pile.world)?;
                 Some(recorder)
             }

@@ -1,6 +1,6 @@
 //! Figures of a run: what the table and the summary file show.
 
-use crate::scenes::Pile;
+use crate::run::{Body, Simulation};
 use glam::DVec3;
 use glamx::DPose3;
 use packer::Solid;
@@ -30,7 +30,7 @@ pub struct Summary {
     pub max_speed: f64,
     /// Bodies asleep at the end.
     pub asleep: usize,
-    /// Bodies out of the bowl, or with a pose that is not finite.
+    /// Bodies that left the scene, as out of the pile's bowl, or with a pose that is not finite.
     pub lost: usize,
 }
 
@@ -44,22 +44,30 @@ pub struct Timings {
 }
 
 impl Summary {
-    /// Figures of `pile` after a run.
+    /// Figures of `simulation` after a run.
     #[must_use]
-    pub fn of_pile(pile: &Pile, timings: &Timings) -> Self {
-        let bodies = pile.bodies.iter().map(|body| &pile.world.bodies[body.handle]);
-        let spheres = |body: &crate::scenes::PileBody| pile.models[body.model].packing.spheres().len();
+    pub fn of(simulation: &impl Simulation, timings: &Timings) -> Self {
+        let set = &simulation.world().bodies;
+        let bodies = simulation.bodies();
+        let moving: Vec<&Body> = bodies.iter().filter(|body| set[body.handle].is_dynamic()).collect();
+        let spheres = |body: &&Body| body.packing.map_or(0, |packing| packing.spheres().len());
+        let speed = |body: &&Body| f64::from(set[body.handle].linvel().length());
+        // What has no collider, as a mark of a surface, is in nobody's way.
+        let solid = |body: &&Body| !set[body.handle].colliders().is_empty();
+        let finite = bodies.iter().filter(solid).filter(|body| set[body.handle].position().is_finite());
+        let placed = finite
+            .map(|body| PlacedSolid::new(body.solid, set[body.handle].position(), f64::from(body.scale)));
         Self {
-            bodies: pile.bodies.len(),
-            spheres: pile.bodies.iter().map(spheres).sum(),
+            bodies: moving.len(),
+            spheres: moving.iter().map(spheres).sum(),
             steps: timings.step.len(),
             step_ms_median: percentile(&timings.step, 0.5),
             step_ms_p95: percentile(&timings.step, 0.95),
             query_ms_median: percentile(&timings.query, 0.5),
-            deepest_overlap: deepest_overlap(&pile.solids()),
-            max_speed: bodies.clone().map(|b| f64::from(b.linvel().length())).fold(0.0, f64::max),
-            asleep: bodies.filter(|b| b.is_sleeping()).count(),
-            lost: pile.lost(),
+            deepest_overlap: deepest_overlap(&placed.collect::<Vec<_>>()),
+            max_speed: moving.iter().map(speed).fold(0.0, f64::max),
+            asleep: moving.iter().filter(|body| set[body.handle].is_sleeping()).count(),
+            lost: simulation.lost(),
         }
     }
 }
@@ -140,30 +148,4 @@ pub fn deepest_overlap(solids: &[PlacedSolid]) -> f64 {
         }
     }
     deepest
-}
-
-impl Pile {
-    /// All solids where they are now, the bowl last.
-    #[must_use]
-    pub fn solids(&self) -> Vec<PlacedSolid<'_>> {
-        let finite = self.bodies.iter().filter(|body| self.world.bodies[body.handle].position().is_finite());
-        let placed = finite.map(|body| {
-            let pose = self.world.bodies[body.handle].position();
-            PlacedSolid::new(&self.models[body.model].solid, pose, body.size.into())
-        });
-        let bowl = PlacedSolid::new(&self.bowl_solid, self.world.bodies[self.bowl].position(), 1.0);
-        placed.chain(std::iter::once(bowl)).collect()
-    }
-
-    /// Bodies that lie below the bowl's bottom or beyond its rim, or whose pose is not finite.
-    #[must_use]
-    pub fn lost(&self) -> usize {
-        let (lower, upper) = self.bowl_solid.bounds();
-        let lost = |body: &&crate::scenes::PileBody| {
-            let position = self.world.bodies[body.handle].translation().as_dvec3();
-            let sideways = DVec3::new(position.x, 0.0, position.z).length();
-            !position.is_finite() || position.y < lower.y || sideways > upper.x
-        };
-        self.bodies.iter().filter(lost).count()
-    }
 }

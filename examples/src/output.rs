@@ -1,15 +1,20 @@
 //! What the examples leave behind: an exit status, and files that are there as a whole or not at all.
 
+use crate::run::Verdict;
 use anyhow::{Context, Result, ensure};
 use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Exit status of an example: 0, or 2 after telling what was wrong.
+/// Exit status of an example: 0, 1 where a check failed, or 2 after telling what was wrong with the input.
 #[must_use]
-pub fn exit_code(result: Result<()>) -> ExitCode {
+pub fn exit_code(result: Result<Verdict>) -> ExitCode {
     match result {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(Verdict::Passed) => ExitCode::SUCCESS,
+        Ok(Verdict::Failed) => {
+            eprintln!("a check failed");
+            ExitCode::FAILURE
+        }
         Err(error) => {
             eprintln!("error: {error:#}");
             ExitCode::from(2)

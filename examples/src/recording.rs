@@ -1,29 +1,28 @@
 //! How recordings of the scenes name and colour their bodies.
 
-use crate::palette;
-use crate::scenes::{Pile, single_precision};
+use crate::run::Simulation;
+use crate::scenes::single_precision;
 use rapier_ist::record::{BodyDescription, RecordError, Recorder};
 use std::io::{Seek, Write};
 
-/// Describes the bowl and the bodies of `pile`, each with mesh, packing and the colour of its model.
+/// Describes the bodies of `simulation`, each with mesh, spheres and colour.
 ///
 /// # Errors
 /// Where the recording cannot be written.
-pub fn describe_pile<W: Write + Seek>(recorder: &mut Recorder<W>, pile: &Pile) -> Result<(), RecordError> {
-    let bowl = single_precision(&pile.bowl_solid);
-    let [r, g, b] = palette::NEUTRAL;
-    recorder
-        .add_body(&BodyDescription::new(pile.bowl, "bowl").mesh(&bowl.0, &bowl.1).color([r, g, b, 0.35]))?;
-    let meshes: Vec<_> = pile.models.iter().map(|model| single_precision(&model.solid)).collect();
-    for (index, body) in pile.bodies.iter().enumerate() {
-        let model = &pile.models[body.model];
-        let [r, g, b] = palette::color(body.model);
-        let (vertices, triangles) = &meshes[body.model];
-        let description = BodyDescription::new(body.handle, format!("{}_{index}", model.name))
-            .mesh(vertices, triangles)
-            .spheres(&model.packing)
-            .scale(body.size)
-            .color([r, g, b, 1.0]);
+pub fn describe<W: Write + Seek>(
+    recorder: &mut Recorder<W>,
+    simulation: &impl Simulation,
+) -> Result<(), RecordError> {
+    for body in simulation.bodies() {
+        let (vertices, triangles) = single_precision(body.solid);
+        let [r, g, b] = body.color;
+        let mut description = BodyDescription::new(body.handle, body.name)
+            .mesh(&vertices, &triangles)
+            .scale(body.scale)
+            .color([r, g, b, body.opacity]);
+        if let Some(packing) = body.packing {
+            description = description.spheres(packing);
+        }
         recorder.add_body(&description)?;
     }
     Ok(())

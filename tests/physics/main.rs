@@ -2,8 +2,10 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod analytic;
+mod bolt;
 mod chain;
 mod collision;
+mod gears;
 mod inside;
 mod pile;
 mod restitution;
@@ -14,6 +16,7 @@ use glam::Vec3;
 use ist::{InnerSphere, SolidProperties, SpherePacking};
 use packer::{PackOptions, Solid, pack};
 use rapier_ist::{IstPlugin, IstShape, Stiffness, VolumePenalty};
+use rapier_ist_examples::run::Simulation;
 use rapier_ist_examples::scenes::{Pile, PileOptions};
 use rapier_ist_examples::shapes;
 use rapier3d::prelude::*;

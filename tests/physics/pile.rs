@@ -17,7 +17,7 @@ fn a_hundred_gears_come_to_rest_in_the_bowl() {
         steps += 1;
         assert!(steps < 15 * 60, "still awake after 15 s");
     }
-    let summary = Summary::of_pile(&pile, &Timings::default());
+    let summary = Summary::of(&pile, &Timings::default());
     println!(
         "{GEARS} gears: asleep after {:.1} s, {} lost, deepest vertex {:.1} % of a gear's size",
         f64::from(steps) / 60.0,

@@ -4,7 +4,7 @@ use foxglove::Decode;
 use foxglove::messages::{FrameTransforms, SceneUpdate};
 use rapier_ist::record::{RecordOptions, Recorder};
 use rapier_ist::replay::{Replay, ReplayEnd};
-use rapier_ist_examples::recording::describe_pile;
+use rapier_ist_examples::recording::describe;
 use rapier_ist_tests::small_pile;
 use std::collections::BTreeMap;
 use std::io::Cursor;
@@ -14,7 +14,7 @@ fn record(steps: usize) -> Vec<u8> {
     let mut pile = small_pile().unwrap();
     let mut file = Cursor::new(Vec::new());
     let mut recorder = Recorder::new(&mut file, RecordOptions::everything()).unwrap();
-    describe_pile(&mut recorder, &pile).unwrap();
+    describe(&mut recorder, &pile).unwrap();
     for _ in 0..steps {
         pile.step();
         recorder.record(&pile.world, pile.plugin.report()).unwrap();

@@ -1,99 +1,87 @@
-//! Draws the generated shapes, whole and cut open.
+//! Makes every picture of README.md and docs again: `cargo run --release -p rapier-ist-examples --bin gallery`.
 //!
-//! `cargo run --release -p rapier-ist-examples --bin gallery -- [FOLDER]` writes `shapes.png` and `cut.png`.
+//! With a word as argument, as `-- chain`, it makes only the pictures whose command has that word; those of `replay` come
+//! with `-- pile`, whose recording they need.
+//!
+//! Runs the examples as their users do, one after the other, and stops where a check fails. The whole takes about two minutes
+//! on two cores. Pictures go to `docs`, recordings to a temporary folder.
 
-use glam::{DVec3, Quat, Vec3};
-use glamx::Pose3;
-use packer::TriangleMesh;
-use rapier_ist_examples::render::{CutPlane, ImageError, Mesh, PictureSize, Scene, Section, Surface};
-use rapier_ist_examples::{palette, shapes};
-use std::path::PathBuf;
-use std::time::Instant;
+use anyhow::{Context, Result, ensure};
+use rapier_ist_examples::accuracy::compare;
+use rapier_ist_examples::output::write_whole;
+use rapier_ist_examples::pair::PairSolid;
+use rapier_ist_examples::plot;
+use rapier_ist_examples::poses::PoseFile;
+use rapier_ist_examples::scenes::asset_folder;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
-fn main() -> Result<(), ImageError> {
-    let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| ".".into()));
-    shapes_picture(&folder.join("shapes.png"))?;
-    cut_picture(&folder.join("cut.png"))
-}
+/// Commands after `cargo run --release`, with `DOCS` and `TMP` for the folders. The package is named so that nothing is built
+/// again that was built for this program.
+const COMMANDS: &[&str] = &[
+    "-p rapier-ist-examples --example pile -- --timings --png-width 960 --png DOCS/pile.png --mcap TMP/pile.mcap",
+    "-p rapier-ist-examples --example chain -- --png-time 2.5 --png-width 480 --png DOCS/gallery/chain.png --mcap TMP/chain.mcap",
+    "-p rapier-ist-examples --example inside -- --png-time 1 --png-width 480 --png DOCS/gallery/inside.png --mcap TMP/inside.mcap",
+    "-p rapier-ist-examples --example buoyancy -- --png-width 480 --png DOCS/gallery/buoyancy.png --mcap TMP/buoyancy.mcap",
+    "-p rapier-ist-examples --example gears -- --steps 600 --png-width 480 --png DOCS/gallery/gears.png --mcap TMP/gears.mcap",
+    "-p rapier-ist-examples --example bolt -- --png-time 2.5 --png-width 480 --png DOCS/gallery/bolt.png --mcap TMP/bolt.mcap",
+    "-p rapier-ist-examples --example overlap -- assets/bunny.obj assets/bunny.obj tests/data/bunny_bunny.json --png-width 480 --png DOCS/gallery/overlap.png",
+    "-p rapier-ist-examples --example haptic -- --seconds 1 --png-width 480 --png DOCS/gallery/haptic.png",
+    "-p rapier-ist-examples --example replay -- TMP/pile.mcap --plot DOCS/gallery/pile.svg --apng DOCS/gallery/replay.png --apng-width 240 --until 2.5 --rate 12",
+    "-p rapier-ist-packer --bin packer -- pack assets/bunny.obj -o TMP/bunny.ist --preview DOCS/packing.png",
+];
 
-/// All shapes in and around a bowl.
-fn shapes_picture(path: &std::path::Path) -> Result<(), ImageError> {
-    let bowl = Mesh::new(&shapes::bowl(1.0, 0.08, 0.9, 160));
-    let at = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
-    let things: [(TriangleMesh, Vec3, Vec3); 9] = [
-        (shapes::ring(0.3, 0.1, [96, 48]), at(-0.02, -0.5, 0.22), at(0.45, 0.0, 0.1)),
-        (shapes::hexagonal_nut(0.6, 0.16, 0.3, 0.03, 96), at(0.48, -0.42, 0.0), at(0.3, 0.3, 0.9)),
-        (shapes::torus_knot(2, 3, [0.28, 0.12, 0.06], [384, 32]), at(0.05, -0.42, -0.45), at(0.9, 0.0, 0.0)),
-        (shapes::cross(0.36, 0.09), at(-0.4, -0.25, -0.1), at(0.6, 0.4, 0.2)),
-        (shapes::ring(0.45, 0.14, [128, 64]), at(1.7, -0.94, 0.5), Vec3::ZERO),
-        (shapes::torus_knot(3, 4, [0.42, 0.16, 0.06], [512, 32]), at(-1.75, -0.86, 0.35), Vec3::ZERO),
-        (shapes::cross(0.45, 0.12), at(0.95, -0.63, 1.35), at(0.0, 0.4, 0.0)),
-        (shapes::cuboid(DVec3::new(0.3, 0.22, 0.2)), at(-0.25, -0.86, 1.65), at(0.0, 0.6, 0.0)),
-        (shapes::sphere(0.3, 4), at(-1.15, -0.78, 1.3), Vec3::ZERO),
-    ];
-    let meshes: Vec<Mesh> = things.iter().map(|(mesh, ..)| Mesh::new(mesh)).collect();
-    let mut scene = Scene::new();
-    scene.add_mesh(&bowl, Pose3::IDENTITY, Surface::new(palette::NEUTRAL));
-    for (index, (mesh, (_, translation, turn))) in meshes.iter().zip(&things).enumerate() {
-        let pose = Pose3::from_parts(*translation, Quat::from_scaled_axis(*turn));
-        scene.add_mesh(mesh, pose, Surface::new(palette::color(index)));
+/// Pairs of the plot of errors: pose file, meshes, name.
+const PAIRS: [(&str, [&str; 2], &str); 3] = [
+    ("bunny_bunny", ["bunny", "bunny"], "bunny, bunny"),
+    ("gears", ["spider_gear", "pinion_gear"], "spider gear, pinion gear"),
+    ("bunny_inside", ["bunny", "bunny"], "bunny, bunny a fifth as large"),
+];
+/// Spheres per solid of the plot.
+const SPHERES: usize = 1000;
+
+fn main() -> Result<()> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let (docs, temporary) = (root.join("docs"), tempfile::tempdir()?);
+    std::fs::create_dir_all(docs.join("gallery")).context("cannot make the folder docs/gallery")?;
+    let word = std::env::args().nth(1).unwrap_or_default();
+    for command in COMMANDS.iter().filter(|command| command.contains(&word)) {
+        run(command, &root, &docs, temporary.path())?;
     }
-    scene.set_ground(-1.08);
-    save(&scene, Vec3::new(0.25, 0.75, 1.0), path)
+    if "accuracy".contains(&word) {
+        println!("== accuracy");
+        write_whole(&docs.join("accuracy.svg"), accuracy(&root)?.as_bytes())?;
+    }
+    Ok(())
 }
 
-/// Balls in a knot cut open.
-fn cut_picture(path: &std::path::Path) -> Result<(), ImageError> {
-    let ring = Mesh::new(&shapes::ring(1.0, 0.4, [192, 96]));
-    let bowl = Mesh::new(&shapes::bowl(1.0, 0.15, 1.0, 160));
-    let sphere = Mesh::new(&shapes::sphere(0.9, 5));
-    let mut scene = Scene::new();
-    scene.set_cut(CutPlane { point: Vec3::new(0.0, 0.0, 0.1), normal: Vec3::Z });
-    let surface = |index| Surface::new(palette::color(index));
-    let lifted = |x, y| Pose3::translation(x, y, 0.0);
-    scene.add_mesh(&ring, lifted(0.0, 0.4), surface(4).section(Section::Hollow));
-    scene.add_balls(balls_in_a_ring(), lifted(0.0, 0.4), surface(1).section(Section::Hollow));
-    scene.add_mesh(&bowl, lifted(2.9, 1.15), surface(2).section(Section::Capped));
-    scene.add_mesh(&sphere, lifted(-2.7, 0.9), surface(3).section(Section::Hollow));
-    scene.add_balls(balls_in_a_sphere(), lifted(-2.7, 0.9), surface(0).section(Section::Hollow));
-    scene.set_ground(0.0);
-    save(&scene, Vec3::new(0.1, 0.45, 1.0), path)
+/// Runs one command in the project's folder.
+fn run(command: &str, root: &Path, docs: &Path, temporary: &Path) -> Result<()> {
+    println!("== cargo run --release {command}");
+    let folder = |path: &Path| path.to_string_lossy().into_owned();
+    let (docs, temporary) = (folder(docs), folder(temporary));
+    let arguments =
+        command.split_whitespace().map(|word| word.replace("DOCS", &docs).replace("TMP", &temporary));
+    // `cargo run` says which cargo it is.
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let status = Command::new(cargo)
+        .args(["run", "--quiet", "--release"])
+        .args(arguments)
+        .current_dir(root)
+        .status()?;
+    ensure!(status.success(), "{command}: {status}");
+    Ok(())
 }
 
-fn save(scene: &Scene, from: Vec3, path: &std::path::Path) -> Result<(), ImageError> {
-    let camera = scene.framed_from(from, PictureSize::HD);
-    let start = Instant::now();
-    let image = scene.render(&camera, PictureSize::HD);
-    println!("{}: {:.0} ms", path.display(), start.elapsed().as_secs_f64() * 1e3);
-    image.save_png(path)
-}
-
-/// Disjoint balls inside the ring above.
-fn balls_in_a_ring() -> Vec<(Vec3, f32)> {
-    disjoint_balls(4000, |p| 0.4 - Vec3::new(Vec3::new(p.x, 0.0, p.z).length() - 1.0, p.y, 0.0).length())
-}
-
-/// Disjoint balls inside the sphere above.
-fn balls_in_a_sphere() -> Vec<(Vec3, f32)> {
-    disjoint_balls(4000, |p| 0.9 - p.length())
-}
-
-/// Random balls that touch neither each other nor the surface that `clearance` is the distance from.
-fn disjoint_balls(tries: u32, clearance: impl Fn(Vec3) -> f32) -> Vec<(Vec3, f32)> {
-    let mut balls: Vec<(Vec3, f32)> = Vec::new();
-    let mut state = 1_u32;
-    let mut random = || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (state >> 8) as f32 / (1 << 23) as f32 - 1.0
+/// The plot of errors.
+fn accuracy(root: &Path) -> Result<String> {
+    let group = |(poses, meshes, name): &(&str, [&str; 2], &str)| -> Result<_> {
+        let file = PoseFile::load(&root.join(format!("tests/data/{poses}.json")))?;
+        let path = |mesh: &str| -> PathBuf { asset_folder().join(format!("{mesh}.obj")) };
+        let a = PairSolid::load(&path(meshes[0]), SPHERES)?;
+        let b = PairSolid::load(&path(meshes[1]), SPHERES)?;
+        let scale = file.scale_b.unwrap_or(1.0);
+        compare(name, &file, &[a, PairSolid { scale, ..b }])
     };
-    for smallest in [0.12, 0.08, 0.05, 0.03] {
-        for _ in 0..tries {
-            let p = Vec3::new(random(), random(), random()) * 1.4;
-            let free = balls.iter().map(|(c, r)| c.distance(p) - r).fold(clearance(p), f32::min);
-            if free > smallest {
-                balls.push((p, free.min(0.16)));
-            }
-        }
-    }
-    balls
+    plot::accuracy(&PAIRS.iter().map(group).collect::<Result<Vec<_>>>()?)
 }

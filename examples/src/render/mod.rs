@@ -1,7 +1,7 @@
 //! A small software renderer for pictures without a screen.
 //!
 //! Triangles and exact spheres in a z-buffer, a key light with soft shadows, ambient occlusion, a ground that
-//! fades into the background, and a cut plane to look into bodies. The camera frames the scene by itself.
+//! fades into the background, a cut plane to look into bodies, and clear water. The camera frames the scene by itself.
 //!
 //! ```no_run
 //! use glamx::Pose3;
@@ -35,8 +35,9 @@ mod shade;
 mod shadow;
 #[cfg(test)]
 mod tests;
+mod water;
 
 pub use camera::Camera;
 pub use image::{Image, ImageError};
 pub use mesh::Mesh;
-pub use scene::{CutPlane, PictureSize, Scene, Section, Surface};
+pub use scene::{CutPlane, PictureSize, Scene, Section, Surface, WaterBlock};

@@ -13,6 +13,7 @@ pub struct Scene<'a> {
     pub(super) surfaces: Vec<Surface>,
     pub(super) ground: Option<f32>,
     pub(super) cut: Option<CutPlane>,
+    pub(super) water: Option<WaterBlock>,
 }
 
 #[derive(Clone, Debug)]
@@ -59,6 +60,15 @@ pub struct CutPlane {
     pub normal: Vec3,
 }
 
+/// A box of clear water.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WaterBlock {
+    /// Its lower corner (m).
+    pub lower: Vec3,
+    /// Its upper corner (m): the surface lies at this height.
+    pub upper: Vec3,
+}
+
 /// Width and height of a picture in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PictureSize {
@@ -71,6 +81,12 @@ pub struct PictureSize {
 impl PictureSize {
     /// 1280 × 720.
     pub const HD: Self = Self { width: 1280, height: 720 };
+
+    /// 16:9, `width` pixels wide.
+    #[must_use]
+    pub fn wide(width: u32) -> Self {
+        Self { width, height: width * 9 / 16 }
+    }
 
     pub(super) fn aspect(self) -> f32 {
         self.width.max(1) as f32 / self.height.max(1) as f32
@@ -139,6 +155,11 @@ impl<'a> Scene<'a> {
     pub fn set_cut(&mut self, plane: CutPlane) {
         let normal = plane.normal.normalize_or_zero();
         self.cut = Some(CutPlane { normal, ..plane });
+    }
+
+    /// Fills a box with clear water. It tints what is seen through it, and casts no shadow.
+    pub fn set_water(&mut self, water: WaterBlock) {
+        self.water = Some(water);
     }
 
     /// A camera in direction `from` that has the whole scene in its picture.

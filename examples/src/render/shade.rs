@@ -4,7 +4,7 @@ use super::buffer::{Fragment, Grid, Sample, Seen, place};
 use super::camera::{Camera, Perspective, View};
 use super::occlusion::ambient;
 use super::raster::{draw, hit_plane};
-use super::scene::{CutPlane, Scene, Section};
+use super::scene::{CutPlane, Scene, Section, WaterBlock};
 use super::shadow::Shadow;
 use super::{Image, PictureSize};
 use glam::{Vec2, Vec3};
@@ -40,6 +40,7 @@ pub(super) fn render(scene: &Scene, camera: &Camera, size: PictureSize) -> Image
         colors: scene.surfaces.iter().map(|surface| linear(surface.color)).collect(),
         background: [linear(TOP), linear(BOTTOM)],
         towards_light,
+        water: scene.water,
         view,
         grid,
     };
@@ -99,6 +100,7 @@ struct Studio {
     colors: Vec<Vec3>,
     background: [Vec3; 2],
     towards_light: Vec3,
+    water: Option<WaterBlock>,
 }
 
 impl Studio {
@@ -114,7 +116,18 @@ impl Studio {
                 None => self.light(place(x, y), seen, ambient),
             };
         }
+        for ((&(x, y), seen), light) in cells.iter().zip(samples).zip(&mut light) {
+            *light = self.through_water(place(x, y), seen, *light);
+        }
         light.iter().sum::<Vec3>() / light.len() as f32
+    }
+
+    /// What the water leaves of the light from a thing and adds to it.
+    fn through_water(&self, place: Vec2, seen: &Seen, light: Vec3) -> Vec3 {
+        let Some(water) = self.water else { return light };
+        // Nothing has nearness 0 and is infinitely far away.
+        let crossing = water.crossing(self.view.ray(place), seen.nearness.recip());
+        crossing.map_or(light, |crossing| crossing.tint(light, self.background[0]))
     }
 
     /// Light from what is seen at a place.

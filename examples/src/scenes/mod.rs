@@ -1,11 +1,27 @@
 //! Scenes, built once for examples, tests and benchmarks.
 
+mod bolt;
+mod floating;
+mod gears;
 mod inside;
 mod model;
+mod part;
 mod pile;
+mod recovery;
 mod rings;
+mod swing;
+mod turning;
+mod water;
 
+pub use bolt::Bolt;
+pub use floating::{Floating, Rest};
+pub use gears::Gears;
 pub use inside::Inside;
 pub use model::{Model, ShapeKind, single_precision};
+pub use part::Part;
 pub use pile::{Pile, PileBody, PileOptions, asset_folder};
-pub use rings::{Chain, RING_MAJOR, RING_MINOR, Stack, ring_shape};
+pub use recovery::{Outcome, Recovery};
+pub use rings::{Chain, RING_MAJOR, RING_MINOR, Ring, Stack, ring_shape};
+pub use swing::Swing;
+pub use turning::Turning;
+pub use water::{Submerged, Water};

@@ -10,7 +10,8 @@ use rapier3d::prelude::TriMeshFlags;
 use std::path::Path;
 
 /// What stands for a mesh in the simulation: ours, or what Rapier offers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum ShapeKind {
     /// An inner sphere tree.
     #[default]

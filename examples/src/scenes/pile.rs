@@ -1,9 +1,11 @@
 //! Bodies of mixed shape and size dropped into a bowl.
 
 use super::{Model, ShapeKind};
-use crate::shapes;
+use crate::figures::Summary;
+use crate::run::{Body, Check, Simulation, View, Wanted};
+use crate::{palette, shapes};
 use anyhow::{Result, ensure};
-use glam::{Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
 use packer::{Solid, TriangleMesh};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -31,6 +33,10 @@ const SIZES: [f32; 2] = [0.28, 0.44];
 const SKIN: f32 = 0.008;
 /// Density of all bodies (kg/m³).
 const DENSITY: f32 = 1000.0;
+/// Deepest vertex of an exact mesh inside another that the example accepts, in per cent of the smaller body's size.
+const DEEPEST_PERCENT: f64 = 10.0;
+/// Steps after which everything has to be asleep.
+const RESTS_AFTER: usize = 600;
 
 /// What the pile is made of.
 #[derive(Clone, Debug)]
@@ -78,6 +84,8 @@ pub struct Pile {
     pub bowl: RigidBodyHandle,
     /// The bowl's exact solid.
     pub bowl_solid: Solid,
+    /// As asked for.
+    options: PileOptions,
 }
 
 impl Pile {
@@ -107,7 +115,8 @@ impl Pile {
         let collider =
             ColliderBuilder::trimesh_with_flags(vertices, bowl_solid.mesh().triangles.clone(), flags)?;
         let (bowl, _) = world.insert(RigidBodyBuilder::fixed(), collider);
-        let mut pile = Self { world, plugin, models, bodies: Vec::new(), bowl, bowl_solid };
+        let mut pile =
+            Self { world, plugin, models, bodies: Vec::new(), bowl, bowl_solid, options: options.clone() };
         pile.drop_bodies(options)?;
         Ok(pile)
     }
@@ -142,6 +151,80 @@ impl Pile {
             self.bodies.push(PileBody { handle, model, size });
         }
         Ok(())
+    }
+}
+
+impl Simulation for Pile {
+    fn title(&self) -> String {
+        format!("pile, {:?} shapes", self.options.shape)
+    }
+
+    fn world(&self) -> &PhysicsWorld {
+        &self.world
+    }
+
+    fn plugin(&self) -> &IstPlugin {
+        &self.plugin
+    }
+
+    fn step(&mut self) {
+        Self::step(self);
+    }
+
+    fn bodies(&self) -> Vec<Body<'_>> {
+        let body = |(index, body): (usize, &PileBody)| {
+            let model = &self.models[body.model];
+            Body::new(body.handle, format!("{}_{index}", model.name), &model.solid)
+                .packing(&model.packing)
+                .scale(body.size)
+                .color(palette::color(body.model))
+        };
+        let bowl = Body::new(self.bowl, "bowl", &self.bowl_solid).opacity(0.35).unframed();
+        std::iter::once(bowl).chain(self.bodies.iter().enumerate().map(body)).collect()
+    }
+
+    /// Rapier's own shapes are there to compare with: nothing is asserted of them.
+    fn checks(&self, summary: &Summary) -> Vec<Check> {
+        let mut checks = vec![
+            Check::new("bodies out of the bowl", summary.lost as f64, "", Wanted::AtMost(0.0)),
+            Check::new(
+                "deepest overlap",
+                100.0 * summary.deepest_overlap,
+                "% of size",
+                Wanted::AtMost(DEEPEST_PERCENT),
+            ),
+        ];
+        if summary.steps >= RESTS_AFTER {
+            let awake = (summary.bodies - summary.asleep) as f64;
+            checks.push(Check::new("bodies still awake", awake, "", Wanted::AtMost(0.0)));
+        }
+        if self.options.shape == ShapeKind::Ist {
+            return checks;
+        }
+        checks.into_iter().map(Check::reported).collect()
+    }
+
+    fn view(&self) -> View {
+        View { ground: Some(self.bowl_solid.bounds().0.y as f32), ..View::default() }
+    }
+
+    fn metadata(&self) -> Vec<(&'static str, String)> {
+        vec![
+            ("example", "pile".to_owned()),
+            ("seed", self.options.seed.to_string()),
+            ("shape", format!("{:?}", self.options.shape)),
+        ]
+    }
+
+    /// Bodies that lie below the bowl's bottom or beyond its rim, or whose pose is not finite.
+    fn lost(&self) -> usize {
+        let (lower, upper) = self.bowl_solid.bounds();
+        let lost = |body: &&PileBody| {
+            let position = self.world.bodies[body.handle].translation().as_dvec3();
+            let sideways = DVec3::new(position.x, 0.0, position.z).length();
+            !position.is_finite() || position.y < lower.y || sideways > upper.x
+        };
+        self.bodies.iter().filter(lost).count()
     }
 }
 

@@ -4,6 +4,7 @@ use crate::shapes;
 use anyhow::Result;
 use glam::{Quat, Vec3};
 use glamx::Pose3;
+use ist::SpherePacking;
 use packer::{PackOptions, Solid, pack};
 use rapier_ist::{IstPlugin, IstShape};
 use rapier3d::dynamics::{RigidBodyBuilder, RigidBodyHandle};
@@ -15,13 +16,39 @@ pub const RING_MAJOR: f32 = 0.11;
 /// Radius of its tube (m); the ring is twice as thick.
 pub const RING_MINOR: f32 = 0.04;
 
-/// A ring about the y axis, packed with `spheres` spheres.
+/// A ring about the y axis and its spheres.
+#[derive(Clone, Debug)]
+pub struct Ring {
+    /// Its mesh.
+    pub solid: Solid,
+    /// Its spheres.
+    pub packing: SpherePacking,
+}
+
+impl Ring {
+    /// Packs a ring with `spheres` spheres.
+    ///
+    /// # Errors
+    /// If `spheres` is zero.
+    pub fn new(spheres: usize) -> Result<Self> {
+        let solid = Solid::new(&shapes::ring(f64::from(RING_MAJOR), f64::from(RING_MINOR), [96, 48]))?;
+        let packing = pack(&solid, &PackOptions::balanced().spheres(spheres))?.packing;
+        Ok(Self { solid, packing })
+    }
+
+    /// What stands for it in the simulation.
+    #[must_use]
+    pub fn shape(&self) -> IstShape {
+        IstShape::from_packing(&self.packing)
+    }
+}
+
+/// The shape of a ring about the y axis, packed with `spheres` spheres.
 ///
 /// # Errors
 /// If `spheres` is zero.
 pub fn ring_shape(spheres: usize) -> Result<IstShape> {
-    let solid = Solid::new(&shapes::ring(f64::from(RING_MAJOR), f64::from(RING_MINOR), [96, 48]))?;
-    Ok(IstShape::from_packing(&pack(&solid, &PackOptions::balanced().spheres(spheres))?.packing))
+    Ok(Ring::new(spheres)?.shape())
 }
 
 /// Rings that lie on each other on the ground.
@@ -94,8 +121,15 @@ impl Chain {
     /// Whether every ring still goes through the next: its centre line crosses the other's disc once.
     #[must_use]
     pub fn is_linked(&self) -> bool {
+        self.lost_links() == 0
+    }
+
+    /// Rings that do not go through the next.
+    #[must_use]
+    pub fn lost_links(&self) -> usize {
         let pose = |handle: &RigidBodyHandle| *self.world.bodies[*handle].position();
-        self.rings.windows(2).all(|pair| linked(&pose(&pair[0]).inv_mul(&pose(&pair[1]))))
+        let lost = |pair: &&[RigidBodyHandle]| !linked(&pose(&pair[0]).inv_mul(&pose(&pair[1])));
+        self.rings.windows(2).filter(lost).count()
     }
 }
 

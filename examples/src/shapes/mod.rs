@@ -13,7 +13,9 @@ mod grid;
 mod nut;
 mod revolution;
 mod ring;
+mod screw_thread;
 mod sphere;
+mod spur_gear;
 mod torus_knot;
 
 pub use bowl::bowl;
@@ -21,5 +23,7 @@ pub use cross::cross;
 pub use cuboid::cuboid;
 pub use nut::hexagonal_nut;
 pub use ring::ring;
+pub use screw_thread::ScrewThread;
 pub use sphere::sphere;
+pub use spur_gear::SpurGear;
 pub use torus_knot::torus_knot;

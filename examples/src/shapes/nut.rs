@@ -70,7 +70,7 @@ fn section(top: f64, chamfer: f64) -> Vec<Corner> {
 }
 
 /// Distance from the centre to the outline of a hexagon with a corner at angle 0.
-fn hexagon_radius(apothem: f64, angle: f64) -> f64 {
+pub(super) fn hexagon_radius(apothem: f64, angle: f64) -> f64 {
     apothem / (angle.rem_euclid(FRAC_PI_3) - FRAC_PI_6).cos()
 }
 

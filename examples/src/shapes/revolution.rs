@@ -10,22 +10,35 @@ use std::f64::consts::TAU;
 /// Profile points are (distance from the axis, height). The solid lies to the left of the profile as drawn with
 /// the distance to the right and the height upwards.
 pub(super) fn revolve(profile: &[DVec2], segments: u32) -> TriangleMesh {
+    let [first, between @ .., last] = profile else { return TriangleMesh::default() };
+    let segments = segments.max(3);
+    sweep([segments, between.len() as u32], [first.y, last.y], |s, row| {
+        let (sin, cos) = (TAU * f64::from(s) / f64::from(segments)).sin_cos();
+        let p = between[row as usize];
+        // From x towards −z: the sweep step × the profile step then points to the profile's right, outwards.
+        DVec3::new(p.x * cos, p.y, -p.x * sin)
+    })
+}
+
+/// The closed surface through `point(column, row)`, periodic in the columns, and two points on the axis, at the heights
+/// `ends`, before the first row and after the last. Outside is as in [`closed_grid`](super::grid::closed_grid); without rows
+/// there is no surface.
+pub(super) fn sweep(
+    [columns, rows]: [u32; 2],
+    ends: [f64; 2],
+    mut point: impl FnMut(u32, u32) -> DVec3,
+) -> TriangleMesh {
     let mut mesh = TriangleMesh::default();
-    let [first, between @ .., last] = profile else { return mesh };
-    if between.is_empty() {
+    if rows == 0 {
         return mesh;
     }
-    let segments = segments.max(3);
-    for s in 0..segments {
-        let (sin, cos) = (TAU * f64::from(s) / f64::from(segments)).sin_cos();
-        // From x towards −z: the sweep step × the profile step then points to the profile's right, outwards.
-        mesh.vertices.extend(between.iter().map(|p| DVec3::new(p.x * cos, p.y, -p.x * sin)));
+    for s in 0..columns {
+        mesh.vertices.extend((0..rows).map(|row| point(s, row)));
     }
-    let rows = between.len() as u32;
-    let (start, end) = (segments * rows, segments * rows + 1);
-    mesh.vertices.extend([DVec3::Y * first.y, DVec3::Y * last.y]);
-    let index = |s: u32, row: u32| (s % segments) * rows + row;
-    for s in 0..segments {
+    let (start, end) = (columns * rows, columns * rows + 1);
+    mesh.vertices.extend(ends.map(|y| DVec3::Y * y));
+    let index = |s: u32, row: u32| (s % columns) * rows + row;
+    for s in 0..columns {
         mesh.triangles.push([start, index(s + 1, 0), index(s, 0)]);
         for row in 0..rows - 1 {
             push_quad(

@@ -4,7 +4,7 @@
 
 use anyhow::{Context, Result};
 use rapier_ist::record::{RecordOptions, Recorder};
-use rapier_ist_examples::recording::describe_pile;
+use rapier_ist_examples::recording::describe;
 use rapier_ist_tests::small_pile;
 use std::io::Write;
 
@@ -15,7 +15,7 @@ fn main() -> Result<()> {
     let options = RecordOptions::everything().chunk_size(chunk_size).background(background);
     let mut pile = small_pile()?;
     let mut recorder = Recorder::create(path, options)?;
-    describe_pile(&mut recorder, &pile)?;
+    describe(&mut recorder, &pile)?;
     recorder.record_start(&pile.world)?;
     let mut output = std::io::stdout();
     for step in 1_u64.. {

@@ -1,197 +1,13 @@
-//! A haptic loop: the overlap of two moving solids a thousand times per second.
+//! What the loop measured, phase by phase and query by query.
 
-use anyhow::{Context, Result, ensure};
-use clap::Parser;
-use glam::{Quat, Vec3};
-use glamx::Pose3;
-use ist::{Budget, InnerSphereTree, Overlap, OverlapWorkspace, SpherePacking, TimeCriticalWorkspace};
-use packer::{PackOptions, Solid, TriangleMesh, pack};
+use crate::{Measurement, PHASES, TOLERANCE, Tick, Within};
+use ist::InnerSphereTree;
 use rapier_ist_examples::figures::percentile;
-use rapier_ist_examples::output::{check_folder_of, exit_code, write_whole};
-use rapier_ist_examples::waiting::Waiting;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
-use std::process::ExitCode;
-use std::time::{Duration, Instant};
-
-/// Moves one solid through another at ticks of 1 ms and measures the full overlap query and queries within a budget.
-///
-/// Of every query there is the wall time, and the same without what the thread waited for a processor ("on the
-/// processor"), which is what a machine of one's own would give.
-#[derive(Parser, Debug)]
-#[command(after_help = "Examples:
-  haptic                                     two rabbits of 10,000 spheres, 8 seconds
-  haptic --seconds 30 --summary haptic.json
-  haptic --a gear.obj --b pinion.ist --spheres 3000 --budget-us 30 --real-time")]
-struct Arguments {
-    /// The solid that rests: a closed mesh or an .ist file.
-    #[arg(long, value_name = "FILE", default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/../assets/bunny.obj"))]
-    a: PathBuf,
-    /// The solid that moves: a closed mesh or an .ist file.
-    #[arg(long, value_name = "FILE", default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/../assets/bunny.obj"))]
-    b: PathBuf,
-    /// Spheres per mesh; .ist files come with their own.
-    #[arg(long, default_value_t = 10_000)]
-    spheres: usize,
-    /// Length of the path (s).
-    #[arg(long, default_value_t = 8.0)]
-    seconds: f64,
-    /// A budget (µs) to measure besides 20, 50, 100 and 200.
-    #[arg(long, value_name = "N", default_value_t = 100)]
-    budget_us: u64,
-    /// Begin each tick when its time has come, as a device would, instead of as soon as possible.
-    #[arg(long)]
-    real_time: bool,
-    /// Figures as JSON.
-    #[arg(long, value_name = "FILE.json")]
-    summary: Option<PathBuf>,
-}
-
-/// Length of a tick (s).
-const TICK: f64 = 1e-3;
-/// How much later than its budget a query may end before it counts as an overrun.
-const TOLERANCE: f64 = 1.2;
-/// Names of the phases and the share of the smaller solid's volume up to which the overlap belongs to them.
-const PHASES: [(&str, f64); 4] = [("apart", 0.0), ("shallow", 0.05), ("mid", 0.25), ("deep", f64::INFINITY)];
-
-fn main() -> ExitCode {
-    exit_code(run(&Arguments::parse()))
-}
-
-fn run(arguments: &Arguments) -> Result<()> {
-    if let Some(path) = &arguments.summary {
-        check_folder_of(path)?;
-    }
-    let valid = arguments.seconds >= TICK && arguments.seconds.is_finite();
-    ensure!(valid, "--seconds must be a number of at least {TICK}");
-    let a = tree(&arguments.a, arguments.spheres)?;
-    let b = if arguments.b == arguments.a { a.clone() } else { tree(&arguments.b, arguments.spheres)? };
-    let mut budgets = vec![20, 50, 100, 200, arguments.budget_us];
-    budgets.sort_unstable();
-    budgets.dedup();
-
-    let ticks = simulate(&a, &b, &budgets, arguments);
-    let summary = Summary::new(&a, &b, &budgets, &ticks);
-    summary.print();
-    if let Some(path) = &arguments.summary {
-        write_whole(path, serde_json::to_string_pretty(&summary)?.as_bytes())?;
-    }
-    Ok(())
-}
-
-/// The tree of an `.ist` file, or of a mesh that is packed now.
-fn tree(path: &Path, spheres: usize) -> Result<InnerSphereTree> {
-    let load = || -> Result<SpherePacking> {
-        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ist")) {
-            return Ok(SpherePacking::load(path)?);
-        }
-        let solid = Solid::new(&TriangleMesh::load(path)?)?;
-        Ok(pack(&solid, &PackOptions::balanced().spheres(spheres))?.packing)
-    };
-    Ok(InnerSphereTree::new(&load().with_context(|| format!("cannot use {}", path.display()))?))
-}
-
-/// Where B stands at `share` of its path: from beside A into it and out again, turning on the way.
-fn pose(a: &InnerSphereTree, b: &InnerSphereTree, share: f64) -> Pose3 {
-    let ((center_a, radius_a), (center_b, radius_b)) = (a.bounding_ball(), b.bounding_ball());
-    let apart = 0.5 + 0.5 * (std::f64::consts::TAU * share).cos();
-    let distance = (radius_a + radius_b) * (0.1 + 0.85 * apart as f32);
-    let direction = Vec3::new(0.8, 0.36, 0.48);
-    let rotation = Quat::from_scaled_axis(Vec3::new(0.6, 1.1, -0.4) * (1.0 + 2.0 * share as f32));
-    Pose3::from_parts(center_a + distance * direction - rotation * center_b, rotation)
-}
-
-/// One query's time and result.
-#[derive(Clone, Copy, Default)]
-struct Measurement {
-    /// Wall time (µs).
-    wall: f64,
-    /// Of it, waiting for a processor (µs).
-    waited: f64,
-    overlap: Overlap,
-    /// Width of the interval of the volume (m³).
-    width: f64,
-}
-
-/// What was measured at one tick.
-struct Tick {
-    phase: usize,
-    full: Measurement,
-    /// In the order of the budgets.
-    within: Vec<Within>,
-}
-
-/// A query within a budget.
-struct Within {
-    query: Measurement,
-    /// Just before it, a loop that reads the clock until the budget has passed: what the machine does to any program.
-    clock: Measurement,
-}
-
-fn simulate(a: &InnerSphereTree, b: &InnerSphereTree, budgets: &[u64], arguments: &Arguments) -> Vec<Tick> {
-    let (mut workspace, mut critical) = (OverlapWorkspace::default(), TimeCriticalWorkspace::default());
-    critical.reserve(b.len());
-    let waiting = Waiting::of_this_thread();
-    if !waiting.is_known() {
-        println!("the system does not tell how long a thread waits: all times are wall times");
-    }
-    let count = (arguments.seconds / TICK) as usize;
-    let smaller = a.solid().volume.min(b.solid().volume);
-    a.prepare_overlap_within();
-    b.prepare_overlap_within();
-    // Memory is touched for the first time before the loop.
-    let deepest = pose(a, b, 0.5);
-    let _ = a.overlap(b, &deepest, &mut workspace);
-    let _ = a.overlap_within(b, &deepest, Budget::Visits(u32::MAX), &mut critical);
-    let begin = Instant::now();
-    let mut ticks = Vec::with_capacity(count);
-    for tick in 0..count {
-        if arguments.real_time {
-            wait_until(begin + Duration::from_secs_f64(tick as f64 * TICK));
-        }
-        let pose = pose(a, b, tick as f64 / count as f64);
-        let full = measure(&waiting, || (a.overlap(b, &pose, &mut workspace), 0.0));
-        let within = budgets.iter().map(|us| {
-            let time = Duration::from_micros(*us);
-            let clock = measure(&waiting, || {
-                let start = Instant::now();
-                while start.elapsed() < time {}
-                (Overlap::default(), 0.0)
-            });
-            let query = measure(&waiting, || {
-                let result = a.overlap_within(b, &pose, Budget::Time(time), &mut critical);
-                (result.expected, f64::from(result.upper) - f64::from(result.lower))
-            });
-            Within { query, clock }
-        });
-        let share = f64::from(full.overlap.volume) / smaller;
-        let phase = PHASES.iter().position(|(_, most)| share <= *most).unwrap_or(PHASES.len() - 1);
-        ticks.push(Tick { phase, full, within: within.collect() });
-    }
-    ticks
-}
-
-/// Sleeps until shortly before `time`, then spins.
-fn wait_until(time: Instant) {
-    if let Some(left) = time.checked_duration_since(Instant::now() + Duration::from_micros(200)) {
-        std::thread::sleep(left);
-    }
-    while Instant::now() < time {
-        std::hint::spin_loop();
-    }
-}
-
-fn measure(waiting: &Waiting, query: impl FnOnce() -> (Overlap, f64)) -> Measurement {
-    let waited = waiting.microseconds();
-    let start = Instant::now();
-    let (overlap, width) = query();
-    let wall = start.elapsed().as_secs_f64() * 1e6;
-    Measurement { wall, waited: (waiting.microseconds() - waited).min(wall), overlap, width }
-}
 
 /// Figures of a run; every file of `--summary` has these names.
 #[derive(Serialize)]
-struct Summary {
+pub(crate) struct Summary {
     spheres: [usize; 2],
     ticks: usize,
     /// One per phase and query.
@@ -235,7 +51,7 @@ struct Row {
 }
 
 impl Summary {
-    fn new(a: &InnerSphereTree, b: &InnerSphereTree, budgets: &[u64], ticks: &[Tick]) -> Self {
+    pub(crate) fn new(a: &InnerSphereTree, b: &InnerSphereTree, budgets: &[u64], ticks: &[Tick]) -> Self {
         let queries: Vec<Option<usize>> = std::iter::once(None).chain((0..budgets.len()).map(Some)).collect();
         let mut rows = Vec::new();
         for (phase, (name, _)) in PHASES.iter().enumerate() {
@@ -257,7 +73,7 @@ impl Summary {
         }
     }
 
-    fn print(&self) {
+    pub(crate) fn print(&self) {
         println!("{} and {} spheres, {} ticks of 1 ms", self.spheres[0], self.spheres[1], self.ticks);
         println!(
             "                   wall time, µs                    on the processor, µs             overrun > 20 %   of the clock      volume error   interval"
@@ -330,6 +146,11 @@ impl Measurement {
     fn on_processor(&self) -> f64 {
         self.wall - self.waited
     }
+
+    /// Width of the interval of the volume (m³).
+    fn width(&self) -> f64 {
+        self.bounds[1] - self.bounds[0]
+    }
 }
 
 impl Tick {
@@ -370,7 +191,7 @@ impl Row {
             clock_overruns: [clock(|m| m.wall), clock(Measurement::on_processor)],
             volume_error: [0.5, 0.95].map(|share| if_overlapping(percentile(&error, share))),
             interval_width: if_overlapping(percentile(
-                &collect(&|tick| relative(tick, tick.query(number).width)),
+                &collect(&|tick| relative(tick, tick.query(number).width())),
                 0.5,
             )),
         }
@@ -378,7 +199,7 @@ impl Row {
 }
 
 /// 99th percentile and greatest change of the force from one tick with contact to the next, in units of the median force.
-fn jumps(ticks: &[Tick], query: impl Fn(&Tick) -> &Measurement) -> [f64; 2] {
+pub(crate) fn jumps(ticks: &[Tick], query: impl Fn(&Tick) -> &Measurement) -> [f64; 2] {
     let touching: Vec<&Tick> = ticks.iter().filter(|tick| tick.full.overlap.volume > 0.0).collect();
     let forces: Vec<f64> = touching.iter().map(|tick| f64::from(tick.full.overlap.force.length())).collect();
     let force = |tick: &Tick| query(tick).overlap.force;
