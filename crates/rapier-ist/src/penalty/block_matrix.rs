@@ -147,12 +147,12 @@ mod tests {
     fn the_matrix_is_symmetric_and_couples_what_it_should() {
         let (matrix, couplings) = sample();
         let a = columns(|v, out| matrix.times(v, out));
-        for i in 0..24 {
-            for j in 0..24 {
-                assert!((a[i][j] - a[j][i]).abs() < 1e-12);
+        for (i, column) in a.iter().enumerate() {
+            for (j, value) in column.iter().enumerate() {
+                assert!((value - a[j][i]).abs() < 1e-12);
                 let bodies = [i / 6, j / 6];
                 let coupled = couplings.iter().any(|c| *c == bodies || *c == [bodies[1], bodies[0]]);
-                assert!(bodies[0] == bodies[1] || coupled || a[i][j] == 0.0, "{i} {j}");
+                assert!(bodies[0] == bodies[1] || coupled || *value == 0.0, "{i} {j}");
             }
         }
     }
@@ -171,10 +171,8 @@ mod tests {
         };
         for (index, column) in m.iter().enumerate() {
             let upper = product(&|i, j| i <= j, column);
-            let mut divided = vec![[0.0; 6]; 4];
-            for i in 0..4 {
-                divided[i] = matrix.inverse[i].times(&std::array::from_fn(|k| upper[6 * i + k]));
-            }
+            let divided: [[f64; 6]; 4] =
+                std::array::from_fn(|i| matrix.inverse[i].times(&std::array::from_fn(|k| upper[6 * i + k])));
             let whole = product(&|i, j| i >= j, &divided.concat());
             for (i, value) in whole.iter().enumerate() {
                 assert!((value - f64::from(u8::from(i == index))).abs() < 1e-10, "{index} {i} {value}");
