@@ -33,8 +33,9 @@ const SIZES: [f32; 2] = [0.28, 0.44];
 const SKIN: f32 = 0.008;
 /// Density of all bodies (kg/m³).
 const DENSITY: f32 = 1000.0;
-/// Deepest vertex of an exact mesh inside another that the example accepts, in per cent of the smaller body's size.
-const DEEPEST_PERCENT: f64 = 10.0;
+/// Deepest vertex of an exact mesh inside another that the example accepts, in per cent of the smaller body's size: seeds 1
+/// to 6 have 1.7 to 4.3.
+const DEEPEST_PERCENT: f64 = 6.0;
 /// Steps after which everything has to be asleep.
 const RESTS_AFTER: usize = 600;
 
