@@ -7,8 +7,8 @@ use rapier3d::glamx::DVec3;
 /// With 6 the force there is right to 1 % for forces from a thousandth of k V to thirty times it (test below).
 const NEWTON_STEPS: usize = 6;
 
-/// Or until a step is this share of the result; the error is then about its square.
-const NEWTON_TOLERANCE: f64 = 1e-2;
+/// Or until the root of the force is right to this share.
+const NEWTON_TOLERANCE: f64 = 1e-3;
 
 /// A contact sample with its force as a function of the normal velocity `u` at the end of the step.
 ///
@@ -98,11 +98,11 @@ impl Sample {
         let mut w = (-a / b).max(1.0).sqrt();
         for _ in 0..NEWTON_STEPS {
             let square = w * w;
-            let step = (w * (a + b * square) - goal) / (a + 3.0 * b * square);
-            w -= step;
-            if step.abs() <= NEWTON_TOLERANCE * w {
+            let residual = w * (a + b * square) - goal;
+            if residual.abs() <= NEWTON_TOLERANCE * goal {
                 break;
             }
+            w -= residual / (a + 3.0 * b * square);
         }
         (1.0 - w * w) / self.dissipation
     }
