@@ -6,7 +6,8 @@ use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::query::PointQuery;
 use rapier3d::parry::shape::{Compound, HalfSpace, Shape};
 
-/// Appends the contact samples of `solid` (A) with `other` (B) at `pose` in A's frame.
+/// Appends the contact samples of `solid` (A) with `other` (B) at `pose` in A's frame. Returns a distance (m) of which the balls
+/// that do not meet `other` are away from it.
 ///
 /// Every ball meets `other` as if that were the half-space behind its nearest surface point: exact for
 /// half-spaces, good for solids with features larger than the balls. Shapes without an inside (trimeshes without
@@ -16,8 +17,8 @@ pub(crate) fn contact_samples(
     other: &dyn Shape,
     pose: &Pose,
     samples: &mut Vec<ContactSample>,
-) {
-    solid.contact_samples_with(surface_of(other, pose), samples);
+) -> Real {
+    solid.contact_samples_with(surface_of(other, pose), samples)
 }
 
 /// Signed distance of `shape` at `pose`.

@@ -17,6 +17,10 @@ const FAR: f64 = 0.5;
 /// And then first where they overlap by this share of the thickness, or by the next multiples of it. Not tuned.
 const STRIDE: f64 = 0.25;
 
+/// How far from contact a cast may end, as a share of the thickness. Less than the stride, so that the first pose after it
+/// overlaps; it bounds the work for bodies that slide along others. Not tuned.
+const TOLERANCE: f64 = 0.05;
+
 /// Most poses along the way at which an overlap is measured.
 const MOST_PROBES: usize = 16;
 
@@ -32,7 +36,8 @@ pub(crate) fn shares(
         (1.0, 1.0)
     } else {
         let stride = STRIDE / far;
-        let first = first_contact(shapes, candidate, skin);
+        // Where a pair touches already the way begins in contact.
+        let first = if candidate.touched { Some(0.0) } else { first_contact(shapes, candidate, skin) };
         (first.map_or(f64::INFINITY, |first| first + stride), stride.max(1.0 / MOST_PROBES as f64))
     };
     let last = if first.is_finite() { 1.0 } else { 0.0 };
@@ -61,6 +66,7 @@ fn first_contact(shapes: [&dyn Shape; 2], candidate: &Candidate, skin: Real) -> 
         balls: BallKind::Volume,
         max_time: 1.0,
         target_distance: skin,
+        tolerance: (TOLERANCE * thickness(shapes)) as Real,
         ..ImpactOptions::default()
     };
     time_of_impact(shapes, motions, options).map(f64::from)

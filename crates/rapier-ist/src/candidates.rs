@@ -23,6 +23,10 @@ pub(crate) struct Candidate {
     pub(crate) displacements: [Displacement; 2],
     /// Longest side (m) of the smaller collider's box, in its own frame.
     pub(crate) size: Real,
+    /// Whether they touched at the end of the last step.
+    pub(crate) touched: bool,
+    /// How far apart they are certain to be where they were last measured (m); 0 where they touch or nothing is known.
+    pub(crate) clearance: Real,
 }
 
 /// All pairs whose boxes overlap and which Rapier would let collide, sorted by handles.
@@ -93,6 +97,8 @@ impl Filter<'_> {
                 poses: [a.pose, b.pose],
                 displacements: [a.displacement, b.displacement],
                 size: longest_side(a.collider).min(longest_side(b.collider)),
+                touched: false,
+                clearance: 0.0,
             });
         }
     }

@@ -20,66 +20,81 @@ pub(crate) struct Contact {
     pub(crate) samples: Vec<ContactSample>,
 }
 
-/// Runs the overlap query of every candidate, in parallel with feature `parallel`, and keeps the order.
-pub(crate) fn contacts(colliders: &ColliderSet, candidates: &[Candidate]) -> Vec<Option<Contact>> {
-    let query =
-        |workspace: &mut OverlapWorkspace, candidate: &Candidate| contact(colliders, candidate, workspace);
+/// Runs the overlap query of every candidate, in parallel with feature `parallel`, and keeps the order. Tells the candidates
+/// their clearance.
+pub(crate) fn contacts(colliders: &ColliderSet, candidates: &mut [Candidate]) -> Vec<Option<Contact>> {
+    let query = |workspace: &mut OverlapWorkspace, candidate: &mut Candidate| {
+        contact(colliders, candidate, workspace)
+    };
     #[cfg(feature = "parallel")]
     {
         use rayon::prelude::*;
-        candidates.par_iter().map_init(OverlapWorkspace::default, query).collect()
+        candidates.par_iter_mut().map_init(OverlapWorkspace::default, query).collect()
     }
     #[cfg(not(feature = "parallel"))]
     {
         let mut workspace = OverlapWorkspace::default();
-        candidates.iter().map(|candidate| query(&mut workspace, candidate)).collect()
+        candidates.iter_mut().map(|candidate| query(&mut workspace, candidate)).collect()
     }
 }
 
 /// The contact of a candidate at the end of the step, or earlier on the way where that is long.
 fn contact(
     colliders: &ColliderSet,
-    candidate: &Candidate,
+    candidate: &mut Candidate,
     workspace: &mut OverlapWorkspace,
 ) -> Option<Contact> {
+    candidate.clearance = 0.0;
     let [a, b] = candidate.colliders.map(|handle| colliders.get(handle));
     let (a, b) = (a?, b?);
     let shapes = [a.shape(), b.shape()];
     let skin = a.contact_skin() + b.contact_skin();
     let solids = shapes.map(|shape| shape.as_shape::<IstShape>()?.tree().with_skin(skin));
     let mut samples = Vec::new();
+    let mut clearance = 0.0;
     let displacements = shares(shapes, candidate, skin).find_map(|share| {
         let displacements = candidate.displacements.map(|displacement| displacement.part(share));
         let poses = [0, 1].map(|i| displacements[i].apply(&candidate.poses[i]));
-        measure((&solids, shapes), &poses, workspace, &mut samples);
+        clearance = measure((&solids, shapes), &poses, workspace, &mut samples);
         (!samples.is_empty()).then_some(displacements)
-    })?;
+    });
+    let Some(displacements) = displacements else {
+        candidate.clearance = clearance;
+        return None;
+    };
     Some(Contact { candidate: *candidate, displacements, samples })
 }
 
 /// Appends the contact samples of two shapes, of which one is an inner sphere tree, in the world frame. Of two trees
-/// the second is taken without its skin, which the first one's includes.
+/// the second is taken without its skin, which the first one's includes. Returns a distance (m) of which they are apart
+/// where there are none.
 fn measure(
     (solids, [a, b]): (&[Option<InnerSphereTree>; 2], [&dyn Shape; 2]),
     [pose_a, pose_b]: &[Pose; 2],
     workspace: &mut OverlapWorkspace,
     samples: &mut Vec<ContactSample>,
-) {
+) -> Real {
     match (&solids[0], b.as_shape::<IstShape>(), &solids[1]) {
         (Some(solid_a), Some(solid_b), _) => {
-            solid_a.contact_samples(solid_b.tree(), &pose_a.inv_mul(pose_b), workspace, samples);
+            let pose = pose_a.inv_mul(pose_b);
+            let ((center_a, radius_a), (center_b, radius_b)) =
+                (solid_a.bounding_ball(), solid_b.tree().bounding_ball());
+            solid_a.contact_samples(solid_b.tree(), &pose, workspace, samples);
             agree_on_direction([solid_a, solid_b.tree()], samples);
             to_world(samples, pose_a, 1.0);
+            (center_a.distance(pose * center_b) - radius_a - radius_b).max(0.0)
         }
         (Some(solid_a), None, _) => {
-            against_shape::contact_samples(solid_a, b, &pose_a.inv_mul(pose_b), samples);
+            let clearance = against_shape::contact_samples(solid_a, b, &pose_a.inv_mul(pose_b), samples);
             to_world(samples, pose_a, 1.0);
+            clearance
         }
         (None, _, Some(solid_b)) => {
-            against_shape::contact_samples(solid_b, a, &pose_b.inv_mul(pose_a), samples);
+            let clearance = against_shape::contact_samples(solid_b, a, &pose_b.inv_mul(pose_a), samples);
             to_world(samples, pose_b, -1.0);
+            clearance
         }
-        (None, _, None) => {}
+        (None, _, None) => Real::INFINITY,
     }
 }
 

@@ -21,7 +21,10 @@ pub(crate) fn respond(
     (report, memory): (&mut StepReport, &mut Memory),
 ) -> Vec<BodyForce> {
     let dt = f64::from(world.integration_parameters.dt);
-    let mut found = timed(&mut report.query_seconds, || contacts(world.colliders, &candidates));
+    for candidate in &mut candidates {
+        candidate.touched = memory.contains_key(&candidate.colliders);
+    }
+    let mut found = timed(&mut report.query_seconds, || contacts(world.colliders, &mut candidates));
     if found.iter().all(Option::is_none) || dt.is_nan() || dt <= 0.0 {
         memory.clear();
         return Vec::new();
@@ -45,8 +48,11 @@ pub(crate) fn respond(
             break solution;
         }
         let stale = solution.stale(world, &bodies, &mut candidates, &found);
-        let moved: Vec<Candidate> = stale.iter().map(|&index| candidates[index]).collect();
-        let next = timed(&mut report.query_seconds, || contacts(world.colliders, &moved));
+        let mut moved: Vec<Candidate> = stale.iter().map(|&index| candidates[index]).collect();
+        let next = timed(&mut report.query_seconds, || contacts(world.colliders, &mut moved));
+        for (&index, moved) in stale.iter().zip(&moved) {
+            candidates[index] = *moved;
+        }
         // Where nothing overlaps any more the tangent that pushed the pair apart still holds.
         let anew: Vec<_> = stale.into_iter().zip(next).filter(|(_, next)| next.is_some()).collect();
         if anew.is_empty() && !solution.has_rebounds() {

@@ -6,7 +6,7 @@ use crate::candidates::Candidate;
 use crate::contact_law::{ContactLaw, material};
 use crate::lookahead::Displacement;
 use crate::memory::{Memory, PairMemory};
-use crate::penalty::{Island, PairContacts, Screw, SolverBody, islands};
+use crate::penalty::{Island, Material, PairContacts, Screw, SolverBody, islands};
 use crate::query::Contact;
 
 /// The pairs after a solve, and the velocities of the bodies that it found.
@@ -22,8 +22,8 @@ pub(crate) struct Solution {
 /// A contact is measured again where it moved by more than this share of its depth from where it was measured. Not tuned.
 const STALE: f64 = 0.25;
 
-/// A pair that did not touch is looked at again where it moved by more than this share of its size from where it was.
-/// Not tuned.
+/// A pair that did not touch is looked at again where it moved by more than this share of its size, and how far it was apart,
+/// from where it was. Not tuned.
 const STALE_GAP: f64 = 1e-3;
 
 impl Solution {
@@ -73,7 +73,8 @@ impl Solution {
                 Some(_) => strains[index] > STALE,
                 None => {
                     let [a, b] = [0, 1].map(|i| displacements[i] - candidate.displacements[i]);
-                    a.reach(&b, candidate.size) > STALE_GAP * f64::from(candidate.size)
+                    a.reach(&b, candidate.size)
+                        > STALE_GAP * f64::from(candidate.size) + f64::from(candidate.clearance)
                 }
             };
             if far {
@@ -108,16 +109,29 @@ pub(crate) fn solve(
         contacts.iter().map(|contact| bodies.pair(world, &contact.candidate)).collect();
     let movable: Vec<bool> = bodies.states.iter().map(SolverBody::is_movable).collect();
     let [before, last] = start.memories;
-    let new = |index: usize| {
+    // The user's law is asked about one pair after the other.
+    let materials: Vec<Option<Material>> = contacts
+        .iter()
+        .zip(&start.known)
+        .map(|(contact, known)| known.is_none().then(|| material(world, contact, law)))
+        .collect();
+    let new = |index: usize, material: Material| {
         let contact = contacts[index];
         let of = |memory: &Memory| memory.get(&contact.candidate.colliders).copied().unwrap_or_default();
         let memory = PairMemory { impact: of(before).impact, ..of(last) };
         let states = pairs[index].map(|body| &bodies.states[body]);
-        PairContacts::new(states, (material(world, contact, law), memory), contact, dt)
+        PairContacts::new(states, (material, memory), contact, dt)
     };
-    let known = start.known.into_iter().enumerate();
+    let or_new =
+        |(index, known): (usize, Option<PairContacts>)| known.or_else(|| Some(new(index, materials[index]?)));
+    #[cfg(feature = "parallel")]
+    let mut pair_contacts: Vec<Option<PairContacts>> = {
+        use rayon::prelude::*;
+        start.known.into_par_iter().enumerate().map(or_new).collect()
+    };
+    #[cfg(not(feature = "parallel"))]
     let mut pair_contacts: Vec<Option<PairContacts>> =
-        known.map(|(index, known)| known.or_else(|| Some(new(index)))).collect();
+        start.known.into_iter().enumerate().map(or_new).collect();
     let islands = islands(&pairs, &movable);
     let islands: Vec<(Vec<usize>, Vec<PairContacts>)> = islands
         .into_iter()

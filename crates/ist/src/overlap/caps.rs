@@ -76,14 +76,15 @@ impl InnerSphereTree {
     }
 
     /// The overlap of this solid (A) with a solid B of the given signed distance, both in A's frame, as one sample
-    /// per ball that B cuts, appended to `samples`.
+    /// per ball that B cuts, appended to `samples`. Returns a distance (m) of which all balls that B does not cut are certain
+    /// to be away from B; infinite where it cuts all.
     ///
     /// `surface` must be 1-Lipschitz, as distances are.
     pub fn contact_samples_with(
         &self,
         mut surface: impl FnMut(Vec3) -> SurfaceDistance,
         samples: &mut Vec<ContactSample>,
-    ) {
+    ) -> f32 {
         self.for_each_cut_ball(&mut surface, |_, CutBall { center, surface, cap, .. }| {
             samples.push(ContactSample {
                 point: center - surface.outward * cap.centroid as f32,
@@ -92,7 +93,7 @@ impl InnerSphereTree {
                 separation: surface.outward * -cap.base as f32,
                 outward: -surface.outward,
             });
-        });
+        })
     }
 
     /// Sums over all balls that B cuts, at the tree's scale, and the one that is cut deepest. `share` is the part of A's own
@@ -133,12 +134,14 @@ impl InnerSphereTree {
         if is_clear { distance < radius } else { surface(center).distance < radius }
     }
 
-    /// Calls `act` with every ball that B cuts, in the tree's order, at the tree's scale.
+    /// Calls `act` with every ball that B cuts, in the tree's order, at the tree's scale. Returns a lower bound of the
+    /// distance of all others.
     fn for_each_cut_ball<F: FnMut(Vec3) -> SurfaceDistance>(
         &self,
         surface: &mut F,
         mut act: impl FnMut(&mut F, CutBall),
-    ) {
+    ) -> f32 {
+        let mut clearance = f32::INFINITY;
         let data = self.data();
         let mut pending = [(0, 0, Vec3::ZERO, f32::NEG_INFINITY); MOST_PENDING];
         pending[0].0 = data.height();
@@ -149,11 +152,14 @@ impl InnerSphereTree {
             let (center, radius) = data.levels[level].get(node);
             let (center, radius) = (center * self.unit(), radius * self.unit() + self.skin());
             // Distances change by no more than the way: most nodes need not be asked about.
-            if parent_distance - center.distance(parent) >= radius {
+            let expected = parent_distance - center.distance(parent) - radius;
+            if expected >= 0.0 {
+                clearance = clearance.min(expected);
                 continue;
             }
             let seen = surface(center);
             if seen.distance >= radius {
+                clearance = clearance.min(seen.distance - radius);
                 continue;
             }
             if level > 0 {
@@ -167,7 +173,10 @@ impl InnerSphereTree {
             let cap = Cap::new(f64::from(radius), f64::from(seen.distance));
             if cap.volume > 0.0 {
                 act(surface, CutBall { index: node, center, surface: seen, cap });
+            } else {
+                clearance = 0.0;
             }
         }
+        clearance
     }
 }

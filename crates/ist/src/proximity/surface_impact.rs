@@ -1,8 +1,9 @@
-//! When a moving tree meets a moving convex solid.
+//! When a moving tree meets a moving solid of known distance.
 //!
-//! As for two trees ([`super::impact`]): nodes wait by the time before which they cannot meet the solid. A convex solid lies behind
-//! the plane through its point nearest to a ball's centre, so a ball cannot meet the solid before it meets that plane, which moves
-//! with the solid. A ball that passes by close to a face is therefore done in a few steps.
+//! As for two trees ([`super::impact`]): nodes wait by the time before which they cannot meet the solid. A ball cannot meet it
+//! before it has gone the distance between them in some direction. A convex solid lies behind the plane through its point
+//! nearest to the ball's centre, and a ball cannot meet it before it meets that plane, which moves with the solid: a ball that
+//! passes by close to a face is done in a few steps.
 
 use super::impact::{Due, rounded_down};
 use super::motion::{Mover, MovingBall, Snapshot};
@@ -25,16 +26,43 @@ const CLOSE: f64 = 0.1;
 const HORIZON: f64 = 4.0;
 
 impl InnerSphereTree {
-    /// When the balls of this solid (A) first come within the target distance of a convex solid B, which move by `motions` in
-    /// the world.
+    /// When the balls of this solid (A) first come within the target distance of a solid B, which move by `motions` in the
+    /// world.
     ///
-    /// `surface` gives B's signed distance in B's frame. The result is that of [`Self::time_of_impact`] with 0 for B's sphere
-    /// and the point of B nearest to the ball's centre. The time is not later than the first contact if B is convex and
-    /// distances are exact; it is as inexact as they are.
+    /// `surface` gives B's signed distance in B's frame; it must be 1-Lipschitz, as distances are. The result is that of
+    /// [`Self::time_of_impact`] with 0 for B's sphere and the point of B nearest to the ball's centre. The time is not later
+    /// than the first contact; it is as inexact as the distances are.
+    ///
+    /// A ball that passes by B at a small distance takes about as many visits as it goes that distance. Where B is convex
+    /// use [`Self::time_of_convex_impact`]; else a tolerance bounds the visits.
     #[must_use]
     pub fn time_of_surface_impact(
         &self,
         surface: impl FnMut(Vec3) -> SurfaceDistance,
+        motions: &[RigidMotion; 2],
+        options: &ImpactOptions,
+        workspace: &mut ProximityWorkspace,
+    ) -> TimeOfImpact {
+        self.cast_at_surface((surface, false), motions, options, workspace)
+    }
+
+    /// As [`Self::time_of_surface_impact`], in few visits, for a convex solid B.
+    ///
+    /// The time may be later than the first contact if B is not convex.
+    #[must_use]
+    pub fn time_of_convex_impact(
+        &self,
+        surface: impl FnMut(Vec3) -> SurfaceDistance,
+        motions: &[RigidMotion; 2],
+        options: &ImpactOptions,
+        workspace: &mut ProximityWorkspace,
+    ) -> TimeOfImpact {
+        self.cast_at_surface((surface, true), motions, options, workspace)
+    }
+
+    fn cast_at_surface(
+        &self,
+        (surface, is_convex): (impl FnMut(Vec3) -> SurfaceDistance, bool),
         motions: &[RigidMotion; 2],
         options: &ImpactOptions,
         workspace: &mut ProximityWorkspace,
@@ -46,6 +74,7 @@ impl InnerSphereTree {
         let mut cast = Cast {
             tree: self,
             surface,
+            is_convex,
             movers: [a, b],
             kind: options.balls,
             target: f64::from(options.target_distance.max(0.0)) + half,
@@ -62,6 +91,7 @@ impl InnerSphereTree {
 struct Cast<'a, F> {
     tree: &'a InnerSphereTree,
     surface: F,
+    is_convex: bool,
     movers: [Mover; 2],
     kind: BallKind,
     /// Distance that balls are advanced to (m).
@@ -145,7 +175,8 @@ impl<F: FnMut(Vec3) -> SurfaceDistance> Cast<'_, F> {
     /// A time, at most `rest`, in which the ball does not come within the target distance of the solid.
     ///
     /// In B's frame the centre is at `p = Rᵀ D`, with D from B's centre to the ball's. With V a bound of |D'|, the
-    /// acceleration of p is at most `ω_a² |q| + 2 ω_b V + ω_b² |D|`, where |D| grows by no more than V s.
+    /// acceleration of p is at most `ω_a² |q| + 2 ω_b V + ω_b² |D|`, where |D| grows by no more than V s. Its speed, in
+    /// whatever direction, is at most `V + ω_b |D|`.
     fn safe_step(&self, sight: &Sight, rest: f64) -> f64 {
         if sight.gap.is_nan() {
             return f64::INFINITY;
@@ -157,6 +188,9 @@ impl<F: FnMut(Vec3) -> SurfaceDistance> Cast<'_, F> {
         let turning = a.spin.cross(sight.ball.arm).length();
         let speed = (a.velocity - b.velocity).length() + turning;
         let (spin, distance) = (b.spin.length(), sight.offset.length());
+        if !self.is_convex {
+            return time_to_close(sight.gap, -(speed + spin * distance), spin * speed);
+        }
         let mut acceleration = a.spin.length() * turning;
         let mut horizon = f64::INFINITY;
         if spin > 0.0 {

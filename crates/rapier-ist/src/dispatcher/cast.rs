@@ -4,7 +4,7 @@ use super::pair::{Other, Pair};
 use super::parts::for_each_part;
 use super::workspace::with_workspace;
 use crate::IstShape;
-use crate::against_shape::surface_distance;
+use crate::against_shape::{surface_distance, surface_of};
 use ist::{Impact, ImpactOptions, InnerSphereTree, RigidMotion, TimeOfImpact};
 use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::bounding_volume::Aabb;
@@ -43,6 +43,7 @@ impl Cast {
                     tree.time_of_impact(other, &self.motions, options, &mut workspace.proximity)
                 })
             }),
+            Other::Shape(shape) if shape.as_trimesh().is_some() => self.against_mesh(tree, shape),
             Other::Shape(shape) => self.against_parts(tree, shape),
         }
     }
@@ -70,11 +71,21 @@ impl Cast {
         earliest
     }
 
+    /// Of a mesh only the nearest triangle is looked at, instead of all that may be in the way.
+    fn against_mesh(&self, tree: &InnerSphereTree, shape: &dyn Shape) -> Option<First> {
+        let surface = surface_of(shape, &Pose::IDENTITY);
+        self.first(tree, |options| {
+            with_workspace(|workspace| {
+                tree.time_of_surface_impact(&surface, &self.motions, options, &mut workspace.proximity)
+            })
+        })
+    }
+
     fn against_convex(&self, tree: &InnerSphereTree, shape: &dyn Shape) -> Option<First> {
         let surface = |point| surface_distance(shape, point);
         self.first(tree, |options| {
             with_workspace(|workspace| {
-                tree.time_of_surface_impact(surface, &self.motions, options, &mut workspace.proximity)
+                tree.time_of_convex_impact(surface, &self.motions, options, &mut workspace.proximity)
             })
         })
     }

@@ -89,7 +89,9 @@ impl Pair<'_> {
             Other::Tree(other) => {
                 tree.contact_samples(other, pose, &mut workspace.overlap, &mut workspace.samples);
             }
-            Other::Shape(shape) => against_shape::contact_samples(tree, shape, pose, &mut workspace.samples),
+            Other::Shape(shape) => {
+                against_shape::contact_samples(tree, shape, pose, &mut workspace.samples);
+            }
         }
     }
 

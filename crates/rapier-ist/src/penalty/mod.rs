@@ -15,7 +15,10 @@
 //!
 //! After D. Baraff and A. Witkin, *Large steps in cloth simulation* (SIGGRAPH 1998), for contact.
 
+mod block;
+mod block_matrix;
 mod body;
+mod conjugate_gradients;
 mod impact;
 mod island;
 mod material;
@@ -40,18 +43,37 @@ const MAX_PASSES: usize = 8;
 /// Passes end when the normal forces of no pair changed by more than this share of their sum.
 const PASS_TOLERANCE: f64 = 1e-3;
 
+/// Pairs that one task takes: some 20 µs. A choice.
+#[cfg(feature = "parallel")]
+const PAIRS_PER_TASK: usize = 16;
+
 impl Island {
     /// Finds the velocities at the end of a step of `dt` seconds; contact wrenches are then those of
     /// [`PairContacts::wrench`] and [`PatchSum::wrench`](patch_sum::PatchSum::wrench) at [`Island::final_twists`].
     pub(crate) fn solve(&mut self, dt: f64) {
         for _ in 0..MAX_PASSES {
-            self.pairs.iter_mut().for_each(PairContacts::linearize);
+            self.for_each_pair(|pair, _| {
+                pair.linearize();
+                0.0
+            });
             self.solve_linear(dt);
-            let twists = self.final_twists();
-            let change = |(pair, twist): (&mut PairContacts, Screw)| pair.update(twist);
-            if self.pairs.iter_mut().zip(twists).map(change).fold(0.0, f64::max) < PASS_TOLERANCE {
+            if self.for_each_pair(PairContacts::update) < PASS_TOLERANCE {
                 break;
             }
         }
+    }
+
+    /// Calls `act` with every pair and its twist as last solved, in parallel where there are many, and returns the largest
+    /// result.
+    fn for_each_pair(&mut self, act: impl Fn(&mut PairContacts, Screw) -> f64 + Sync) -> f64 {
+        let twists = self.final_twists();
+        #[cfg(feature = "parallel")]
+        {
+            use rayon::prelude::*;
+            let pairs = self.pairs.par_iter_mut().with_min_len(PAIRS_PER_TASK).zip(twists);
+            pairs.map(|(pair, twist)| act(pair, twist)).reduce(|| 0.0, f64::max)
+        }
+        #[cfg(not(feature = "parallel"))]
+        self.pairs.iter_mut().zip(twists).map(|(pair, twist)| act(pair, twist)).fold(0.0, f64::max)
     }
 }

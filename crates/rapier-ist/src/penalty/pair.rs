@@ -17,6 +17,9 @@ use rapier3d::glamx::{DMat3, DVec3};
 /// after. Softer ones rebound over several steps by their dissipation.
 const STOPS_WITHIN_A_STEP: f64 = 0.5;
 
+/// Share of the lighter body's load below which a force is small.
+const SMALL_SHARE: f64 = 0.1;
+
 /// Contact samples between bodies `a` and `b` and the wrench they exert, linearised in the final velocity.
 #[derive(Clone, Debug)]
 pub(crate) struct PairContacts {
@@ -244,14 +247,15 @@ impl PairContacts {
     }
 
     /// How far from the poses at which it was measured the contact is after a step at the relative twist `twist`, in units of
-    /// the depth: a mean weighted by force.
+    /// the depth: a mean weighted by force, or less where the force is a small share of what the lighter body bears besides
+    /// contacts. Contacts that hardly touch move by many times their depth, and nothing depends on them.
     pub(crate) fn strain(&self, twist: Screw) -> f64 {
         let (mut strain, mut force) = (0.0, f64::MIN_POSITIVE);
         for s in &self.samples {
             strain += s.force * s.strain(twist.twist_at(s.arm).linear);
             force += s.force;
         }
-        strain / force
+        strain / force.max(SMALL_SHARE * self.load)
     }
 
     /// Wrench on b about [`Self::origin`] at the given relative twist.

@@ -7,6 +7,9 @@ use rapier3d::glamx::DVec3;
 /// With 6 the force there is right to 1 % for forces from a thousandth of k V to thirty times it (test below).
 const NEWTON_STEPS: usize = 6;
 
+/// Or until the root of the force is right to this share.
+const NEWTON_TOLERANCE: f64 = 1e-3;
+
 /// A contact sample with its force as a function of the normal velocity `u` at the end of the step.
 ///
 /// `f(u) = k V x² (1 − δ u)` with `x = 1 + h (u* − u) / 2D`, where V and D are the volume of the sample and the depth
@@ -96,7 +99,11 @@ impl Sample {
         let mut w = (-a / b).max(1.0).sqrt();
         for _ in 0..NEWTON_STEPS {
             let square = w * w;
-            w -= (w * (a + b * square) - goal) / (a + 3.0 * b * square);
+            let residual = w * (a + b * square) - goal;
+            if residual.abs() <= NEWTON_TOLERANCE * goal {
+                break;
+            }
+            w -= residual / (a + 3.0 * b * square);
         }
         (1.0 - w * w) / self.dissipation
     }

@@ -1,12 +1,15 @@
-//! The linear system of one island, and conjugate gradients on it.
+//! The linear system of one island.
 //!
 //! With `M⁻¹ = L Lᵀ` and the change of velocity `Δ = L y` the implicit step reads
 //! `(I + h Lᵀ S L) y = h Lᵀ r`, where `S = Σ Jᵀ K J` over the pairs. That form is well defined for locked axes and
 //! bodies of infinite mass, whose rows of L are zero, and it is preconditioned by the mass already.
 
+use super::block::Block;
+use super::block_matrix::BlockMatrix;
 use super::body::SolverBody;
+use super::conjugate_gradients::{conjugate_gradients, dot};
 use super::pair::PairContacts;
-use super::twist::{Screw, Symmetric6};
+use super::twist::{Screw, Symmetric6, cross_matrix};
 use rapier3d::glamx::{DMat3, DVec3};
 
 /// Relative residual at which the iteration stops. Forces are then right to about 1e-6, well under the rounding of
@@ -19,17 +22,15 @@ const TOLERANCE: f64 = 1e-7;
 /// 3.1 s.
 const LOAD_TOLERANCE: f64 = 1e-3;
 
-/// Most iterations; an island of n bodies needs no more than 6 n in exact arithmetic.
-const MAX_ITERATIONS: usize = 400;
-
 /// Bodies that touch, and their contacts.
 #[derive(Debug)]
 pub(crate) struct Island {
     pub(crate) bodies: Vec<SolverBody>,
     pub(crate) pairs: Vec<PairContacts>,
     links: Vec<Link>,
+    matrix: BlockMatrix,
     /// `y` of each body.
-    state: Vec<Screw>,
+    state: Vec<[f64; 6]>,
 }
 
 /// Where the contacts of a pair act.
@@ -47,6 +48,28 @@ impl Link {
         let ([a, b], [arm_a, arm_b]) = (self.bodies, self.arms);
         twists[b].twist_at(arm_b) - twists[a].twist_at(arm_a)
     }
+
+    /// Whether both bodies can move, so that the pair couples them.
+    fn couples(&self, bodies: &[SolverBody]) -> bool {
+        self.bodies.iter().all(|&body| bodies[body].is_movable())
+    }
+
+    /// `−h L_aᵀ X_aᵀ K X_b L_b`, with the matrices X that move the bodies' twists to the pair's origin.
+    fn coupling(&self, damping: &Symmetric6, bodies: &[SolverBody], dt: f64) -> Block {
+        let [a, b] = self.bodies.map(|body| &bodies[body]);
+        let [cross_a, cross_b] = self.arms.map(cross_matrix);
+        let mixed = damping.mixed - damping.linear * cross_b;
+        let mixed_transposed = damping.mixed.transpose();
+        let angular = damping.angular - mixed_transposed * cross_b;
+        let lower = cross_a * damping.linear + mixed_transposed;
+        let lower_angular = cross_a * mixed + angular;
+        let [linear_a, linear_b] = [a, b].map(|body| DMat3::from_diagonal(body.root_linear));
+        let turned = a.root_angular.transpose() * -dt;
+        Block::new([
+            [linear_a * damping.linear * linear_b * -dt, linear_a * (mixed * b.root_angular) * -dt],
+            [turned * lower * linear_b, turned * (lower_angular * b.root_angular)],
+        ])
+    }
 }
 
 impl Island {
@@ -60,8 +83,12 @@ impl Island {
             bodies: *indices,
             arms: indices.map(|body| pair.origin - bodies[body].center_of_mass),
         };
-        let links = pairs.iter().map(link).collect();
-        Self { links, bodies, pairs: pairs.into_iter().map(|(_, pair)| pair).collect(), state }
+        let links: Vec<Link> = pairs.iter().map(link).collect();
+        let couplings: Vec<[usize; 2]> =
+            links.iter().filter(|link| link.couples(&bodies)).map(|link| link.bodies).collect();
+        let matrix = BlockMatrix::new(bodies.len(), &couplings);
+        let pairs = pairs.into_iter().map(|(_, pair)| pair).collect();
+        Self { links, bodies, pairs, matrix, state: state.into_iter().map(Screw::to_array).collect() }
     }
 
     /// The contacts, in the order in which they came.
@@ -83,12 +110,12 @@ impl Island {
 
     /// `y` of body `i`, as last solved.
     pub(crate) fn state(&self, i: usize) -> Screw {
-        self.state[i]
+        Screw::from_array(self.state[i])
     }
 
     /// Twist of body `i` at the end of the step, as last solved.
     fn final_twist(&self, i: usize) -> Screw {
-        self.bodies[i].predicted + self.bodies[i].root_times(self.state[i])
+        self.bodies[i].predicted + self.bodies[i].root_times(self.state(i))
     }
 
     /// Solves with the pairs as they are linearised now, starting from the present state.
@@ -96,105 +123,59 @@ impl Island {
     /// Solving only to a tenth of the first residual in passes that are not the last saves nothing: stiff contacts make
     /// large forces of small residuals, and a pile of gears explodes.
     pub(crate) fn solve_linear(&mut self, dt: f64) {
-        let preconditioner = self.preconditioner(dt);
+        self.assemble(dt);
         let rhs = self.right_hand_side(dt);
-        let image = self.image(&self.state, dt);
-        let mut residual: Vec<Screw> = rhs.iter().zip(&image).map(|(rhs, image)| *rhs - *image).collect();
         let goal = TOLERANCE * TOLERANCE * dot(&rhs, &rhs);
-        let mut z = vec![Screw::ZERO; residual.len()];
-        apply(&preconditioner, &residual, &mut z);
-        let mut direction = z.clone();
-        let mut rz = dot(&residual, &z);
-        for _ in 0..MAX_ITERATIONS {
-            if self.is_small(&residual) || dot(&residual, &residual) <= goal {
-                break;
-            }
-            let image = self.image(&direction, dt);
-            let curvature = dot(&direction, &image);
-            if !(curvature > 0.0 && curvature.is_finite()) {
-                break;
-            }
-            let step = rz / curvature;
-            for i in 0..self.state.len() {
-                self.state[i] += direction[i] * step;
-                residual[i] = residual[i] - image[i] * step;
-            }
-            apply(&preconditioner, &residual, &mut z);
-            let next = dot(&residual, &z);
-            let turn = next / rz;
-            rz = next;
-            for (d, z) in direction.iter_mut().zip(&z) {
-                *d = *z + *d * turn;
-            }
-        }
-    }
-
-    /// Whether the residual of every body is a small share of its own load: a light body counts as much as a heavy one.
-    fn is_small(&self, residual: &[Screw]) -> bool {
-        let limit = LOAD_TOLERANCE * LOAD_TOLERANCE;
-        let small = |(r, body): (&Screw, &SolverBody)| {
-            !body.is_movable() || r.dot(*r) <= limit * body.unchanged.dot(body.unchanged)
-        };
-        residual.iter().zip(&self.bodies).all(small)
+        let Self { matrix, state, bodies, .. } = self;
+        let is_small = |residual: &[[f64; 6]]| is_small(residual, goal, bodies);
+        conjugate_gradients(matrix, &rhs, state, is_small);
     }
 
     /// `h Lᵀ r`, where r are the wrenches at the predicted twists.
-    fn right_hand_side(&self, dt: f64) -> Vec<Screw> {
+    fn right_hand_side(&self, dt: f64) -> Vec<[f64; 6]> {
         let twists: Vec<Screw> = self.bodies.iter().map(|body| body.predicted).collect();
-        let mut out = self.wrenches(&twists, PairContacts::wrench);
-        for (out, body) in out.iter_mut().zip(&self.bodies) {
-            *out = body.root_transpose_times(*out) * dt;
-        }
-        out
-    }
-
-    /// `(I + h Lᵀ S L) y`.
-    fn image(&self, y: &[Screw], dt: f64) -> Vec<Screw> {
-        let twists: Vec<Screw> = self.bodies.iter().zip(y).map(|(body, y)| body.root_times(*y)).collect();
-        let mut out = self.wrenches(&twists, |pair, twist| *pair.damping() * twist);
-        for ((out, body), y) in out.iter_mut().zip(&self.bodies).zip(y) {
-            *out = *y + body.root_transpose_times(*out) * dt;
-        }
-        out
-    }
-
-    /// Sum of the wrenches on every body about its centre of mass; `wrench` tells that on b for the relative twist of
-    /// a pair, which has the opposite on a.
-    fn wrenches(&self, twists: &[Screw], wrench: impl Fn(&PairContacts, Screw) -> Screw) -> Vec<Screw> {
-        let mut out = vec![Screw::ZERO; self.bodies.len()];
+        let mut wrenches = vec![Screw::ZERO; self.bodies.len()];
         for (pair, link) in self.pairs.iter().zip(&self.links) {
-            let wrench = wrench(pair, link.relative_twist(twists));
+            let wrench = pair.wrench(link.relative_twist(&twists));
             let ([a, b], [arm_a, arm_b]) = (link.bodies, link.arms);
-            out[b] += wrench.wrench_from(arm_b);
-            out[a] += -wrench.wrench_from(arm_a);
+            wrenches[b] += wrench.wrench_from(arm_b);
+            wrenches[a] += -wrench.wrench_from(arm_a);
         }
-        out
+        let change =
+            |(body, wrench): (&SolverBody, Screw)| (body.root_transpose_times(wrench) * dt).to_array();
+        self.bodies.iter().zip(wrenches).map(change).collect()
     }
 
-    /// Inverse diagonal blocks.
-    fn preconditioner(&self, dt: f64) -> Vec<Symmetric6> {
-        let mut blocks = vec![Symmetric6::ZERO; self.bodies.len()];
-        for (pair, link) in self.pairs.iter().zip(&self.links) {
+    /// Sets the matrix, `I + h Lᵀ S L`.
+    fn assemble(&mut self, dt: f64) {
+        let Self { pairs, links, bodies, matrix, .. } = self;
+        let mut diagonal = vec![Symmetric6::ZERO; bodies.len()];
+        let mut couplings = 0;
+        for (pair, link) in pairs.iter().zip(links.iter()) {
             for (body, arm) in link.bodies.into_iter().zip(link.arms) {
-                blocks[body] += pair.damping().moved(arm);
+                diagonal[body] += pair.damping().moved(arm);
+            }
+            if link.couples(bodies) {
+                matrix.set_coupling(couplings, link.coupling(pair.damping(), bodies, dt));
+                couplings += 1;
             }
         }
-        let inverse = |(block, body): (&Symmetric6, &SolverBody)| {
+        for (index, (block, body)) in diagonal.iter().zip(bodies.iter()).enumerate() {
             let mut block = block.scaled_by(body.root_linear, body.root_angular) * dt;
             block.linear += DMat3::IDENTITY;
             block.angular += DMat3::IDENTITY;
-            block.inverse()
-        };
-        blocks.iter().zip(&self.bodies).map(inverse).collect()
+            matrix.set_diagonal(index, Block::from(&block), Block::from(&block.inverse()));
+        }
     }
 }
 
-fn apply(blocks: &[Symmetric6], v: &[Screw], out: &mut [Screw]) {
-    for ((block, v), out) in blocks.iter().zip(v).zip(out) {
-        *out = *block * *v;
-    }
-}
-
-fn dot(a: &[Screw], b: &[Screw]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
+/// Whether the squares of a residual sum up to `goal`, or that of every body is a small share of its own load: a light
+/// body counts as much as a heavy one.
+fn is_small(residual: &[[f64; 6]], goal: f64, bodies: &[SolverBody]) -> bool {
+    let limit = LOAD_TOLERANCE * LOAD_TOLERANCE;
+    let small = |(r, body): (&[f64; 6], &SolverBody)| {
+        let r = Screw::from_array(*r);
+        !body.is_movable() || r.dot(r) <= limit * body.unchanged.dot(body.unchanged)
+    };
+    residual.iter().zip(bodies).all(small) || dot(residual, residual) <= goal
 }

@@ -142,7 +142,7 @@ impl Mul<Screw> for Symmetric6 {
 }
 
 /// `[r]×`, the matrix of `r × ·`.
-fn cross_matrix(r: DVec3) -> DMat3 {
+pub(crate) fn cross_matrix(r: DVec3) -> DMat3 {
     DMat3::from_cols(DVec3::new(0.0, r.z, -r.y), DVec3::new(-r.z, 0.0, r.x), DVec3::new(r.y, -r.x, 0.0))
 }
 

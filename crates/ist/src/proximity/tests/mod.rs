@@ -5,6 +5,7 @@ mod impact;
 mod pairs;
 mod penetration;
 mod single;
+mod surface_impact;
 
 use super::*;
 use crate::{InnerSphere, InnerSphereTree, SolidProperties, SpherePacking};

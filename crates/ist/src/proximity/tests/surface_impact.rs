@@ -1,0 +1,105 @@
+//! Time of impact with solids of known distance.
+
+use super::*;
+use crate::SurfaceDistance;
+
+/// The solid around a hollow ball: nowhere convex.
+fn hollow(radius: f32) -> impl Fn(Vec3) -> SurfaceDistance {
+    move |point| SurfaceDistance {
+        distance: radius - point.length(),
+        outward: -point.try_normalize().unwrap_or(Vec3::Y),
+    }
+}
+
+fn solid_ball(radius: f32) -> impl Fn(Vec3) -> SurfaceDistance {
+    move |point| SurfaceDistance {
+        distance: point.length() - radius,
+        outward: point.try_normalize().unwrap_or(Vec3::Y),
+    }
+}
+
+fn motion(reach: f32) -> impl Strategy<Value = RigidMotion> {
+    let vector = |size: f32| prop::array::uniform3(-size..size).prop_map(Vec3::from_array);
+    (random_pose(reach), vector(0.5), vector(6.0), vector(3.0)).prop_map(|(pose, center, linear, angular)| {
+        RigidMotion { pose, local_center: center, linear_velocity: linear, angular_velocity: angular }
+    })
+}
+
+/// Least distance of a ball of the tree from the surface at `time`.
+fn gap_at(
+    tree: &InnerSphereTree,
+    surface: &impl Fn(Vec3) -> SurfaceDistance,
+    motions: &[RigidMotion; 2],
+    time: f32,
+) -> f32 {
+    let [a, b] = [0, 1].map(|i| motions[i].pose_at(time));
+    let pose = b.inverse() * a;
+    let balls = list(tree, BallKind::Volume);
+    balls.iter().map(|(c, r)| surface(pose * *c).distance - r).fold(f32::INFINITY, f32::min)
+}
+
+/// Not late, and at contact.
+fn check(
+    tree: &InnerSphereTree,
+    surface: &impl Fn(Vec3) -> SurfaceDistance,
+    (motions, tolerance): (&[RigidMotion; 2], f32),
+    result: TimeOfImpact,
+) -> Result<(), TestCaseError> {
+    let (until, found) = match result {
+        TimeOfImpact::Hit(impact) => (impact.time, true),
+        TimeOfImpact::NoHit => (1.0, false),
+        TimeOfImpact::Undecided { .. } => return Err(TestCaseError::fail("undecided")),
+    };
+    const ROUNDING: f32 = 2e-4;
+    for sample in 0..100 {
+        let time = until * sample as f32 / 100.0;
+        prop_assert!(
+            until == 0.0 || gap_at(tree, surface, motions, time) > -ROUNDING,
+            "{} of {}",
+            time,
+            until
+        );
+    }
+    prop_assert!(!found || gap_at(tree, surface, motions, until) < tolerance + ROUNDING);
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(128))]
+    #[test]
+    fn is_never_late_and_at_contact(
+        tree in random_tree(40), hollow_motions in prop::array::uniform2(motion(0.5)),
+        motions in prop::array::uniform2(motion(5.0)), tolerance in prop_oneof![Just(1e-3_f32), 0.0_f32..0.5],
+    ) {
+        let mut workspace = ProximityWorkspace::default();
+        let options = ImpactOptions { balls: BallKind::Volume, tolerance, ..ImpactOptions::default() };
+        let size = tree.bounding_ball().1 + 3.0;
+        let result = tree.time_of_surface_impact(hollow(size), &hollow_motions, &options, &mut workspace);
+        check(&tree, &hollow(size), (&hollow_motions, tolerance), result)?;
+        let result = tree.time_of_surface_impact(solid_ball(1.0), &motions, &options, &mut workspace);
+        check(&tree, &solid_ball(1.0), (&motions, tolerance), result)?;
+        let result = tree.time_of_convex_impact(solid_ball(1.0), &motions, &options, &mut workspace);
+        check(&tree, &solid_ball(1.0), (&motions, tolerance), result)?;
+    }
+}
+
+/// Where only its balls that pass along the wall are near it, a convex solid is left behind in few visits, and another with a
+/// tolerance.
+#[test]
+fn a_ball_that_passes_by_takes_few_visits() {
+    let wall = |point: Vec3| SurfaceDistance { distance: point.y, outward: Vec3::Y };
+    let past = RigidMotion {
+        linear_velocity: Vec3::X * 100.0,
+        ..RigidMotion::at_rest(Pose3::from_translation(Vec3::Y * 1.01))
+    };
+    let motions = [past, RigidMotion::at_rest(Pose3::IDENTITY)];
+    let mut workspace = ProximityWorkspace::default();
+    let few = ImpactOptions { max_visits: 10, ..ImpactOptions::default() };
+    let convex = ball(1.0).time_of_convex_impact(wall, &motions, &few, &mut workspace);
+    assert_eq!(convex, TimeOfImpact::NoHit);
+    let any = ball(1.0).time_of_surface_impact(wall, &motions, &few, &mut workspace);
+    assert!(matches!(any, TimeOfImpact::Undecided { .. }), "{any:?}");
+    let near = ImpactOptions { tolerance: 0.02, ..few };
+    let any = ball(1.0).time_of_surface_impact(wall, &motions, &near, &mut workspace);
+    assert!(matches!(any, TimeOfImpact::Hit(_)), "{any:?}");
+}
