@@ -50,6 +50,7 @@ mod packing;
 mod patches;
 mod proximity;
 pub mod reference;
+mod signed_distance;
 mod simd_level;
 mod solid;
 mod sphere;
@@ -61,7 +62,7 @@ pub use grid::SphereGrid;
 pub use overlap::{Budget, OverlapEstimate, TimeCriticalWorkspace};
 pub use overlap::{
     ContactSample, DeepestPair, Engine, ForceLaw, Overlap, OverlapCache, OverlapPair, OverlapQuery,
-    OverlapWorkspace, Stiffness, SurfaceDistance, overlap_batch,
+    OverlapWorkspace, Stiffness, overlap_batch,
 };
 pub use packing::{PackingError, SpherePacking};
 pub use patches::ContactPatch;
@@ -69,6 +70,7 @@ pub use proximity::{
     BallContact, BallKind, DistanceOptions, Impact, ImpactOptions, NearestSphere, Penetration,
     ProximityWorkspace, Ray, RayHit, RigidMotion, Separation, SurfaceGap, TimeOfImpact,
 };
+pub use signed_distance::{SignedDistance, SurfaceDistance};
 pub use solid::SolidProperties;
 pub use sphere::InnerSphere;
 pub use tree::InnerSphereTree;

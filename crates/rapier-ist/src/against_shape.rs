@@ -1,7 +1,7 @@
 //! Overlap of an inner sphere tree with one of parry's shapes.
 
 use crate::mesh_surface::MeshSurface;
-use ist::{ContactSample, InnerSphereTree, SurfaceDistance};
+use ist::{ContactSample, InnerSphereTree, SignedDistance, SurfaceDistance};
 use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::query::PointQuery;
 use rapier3d::parry::shape::{Compound, HalfSpace, Shape};
@@ -21,15 +21,32 @@ pub(crate) fn contact_samples(
     solid.contact_samples_with(surface_of(other, pose), samples)
 }
 
-/// Signed distance of `shape` at `pose`.
-pub(crate) fn surface_of(shape: &dyn Shape, pose: &Pose) -> impl Fn(Vector) -> SurfaceDistance {
-    let (pose, inverse) = (*pose, pose.inverse());
+/// The surface of `shape` at `pose`.
+pub(crate) fn surface_of<'a>(shape: &'a dyn Shape, pose: &Pose) -> ShapeSurface<'a> {
     let mesh = shape.as_trimesh().map(MeshSurface::new);
-    move |point| {
-        let point = inverse * point;
-        let surface =
-            mesh.as_ref().map_or_else(|| surface_distance(shape, point), |mesh| mesh.distance(point));
-        SurfaceDistance { outward: pose.rotation * surface.outward, ..surface }
+    ShapeSurface { shape, mesh, pose: *pose, inverse: pose.inverse() }
+}
+
+/// A shape that is asked about one point after the other.
+pub(crate) struct ShapeSurface<'a> {
+    shape: &'a dyn Shape,
+    mesh: Option<MeshSurface<'a>>,
+    pose: Pose,
+    inverse: Pose,
+}
+
+impl SignedDistance for ShapeSurface<'_> {
+    fn distance(&mut self, point: Vector) -> SurfaceDistance {
+        self.distance_within(point, Real::INFINITY)
+    }
+
+    fn distance_within(&mut self, point: Vector, reach: Real) -> SurfaceDistance {
+        let point = self.inverse * point;
+        let surface = match &mut self.mesh {
+            Some(mesh) => mesh.distance_within(point, reach),
+            None => surface_distance(self.shape, point),
+        };
+        SurfaceDistance { outward: self.pose.rotation * surface.outward, ..surface }
     }
 }
 

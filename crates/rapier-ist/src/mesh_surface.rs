@@ -1,57 +1,66 @@
 //! Signed distances of points from a triangle mesh.
 //!
-//! The same as parry's projection gives, but the search begins with the triangle that was nearest to the point before, as the balls
-//! of a tree come in an order in which neighbours follow each other, and leaves out what only the sign needs.
+//! The same as parry's projection gives, in a third of the time for the balls of a tree: they come in an order in which neighbours
+//! follow each other, and of most it is enough to know that they are clear of the mesh.
 
-use ist::SurfaceDistance;
+use ist::{SignedDistance, SurfaceDistance};
 use rapier3d::math::{Real, Vector};
 use rapier3d::parry::partitioning::BvhNode;
 use rapier3d::parry::query::PointQueryWithLocation;
-use rapier3d::parry::shape::{TriMesh, TriMeshPseudoNormals, TrianglePointLocation};
-use std::cell::Cell;
+use rapier3d::parry::shape::{Triangle, TriMesh, TriMeshPseudoNormals, TrianglePointLocation};
 
 /// A triangle mesh that is asked about one point after the other.
 pub(crate) struct MeshSurface<'a> {
     mesh: &'a TriMesh,
     /// Of meshes with an inside.
     pseudo_normals: Option<&'a TriMeshPseudoNormals>,
-    /// The triangle nearest to the last point.
-    last: Cell<u32>,
+    /// A point of the mesh, the nearest to one of the last points.
+    near: Vector,
+    /// The last points outside of the mesh, each with a distance within which there is no triangle.
+    clear: [(Vector, Real); REMEMBERED],
+    /// Where the next of them is put.
+    next: usize,
 }
 
 /// The point of a triangle nearest to another point, and on which part of the triangle it is.
 type Nearest = (Vector, TrianglePointLocation);
 
+/// Number of balls clear of the mesh that are kept.
+const REMEMBERED: usize = 8;
+
+/// Room for rounding, as a share.
+const ROUNDING: Real = 1e-5;
+
 impl<'a> MeshSurface<'a> {
     pub(crate) fn new(mesh: &'a TriMesh) -> Self {
-        Self { mesh, pseudo_normals: mesh.pseudo_normals_if_oriented(), last: Cell::new(0) }
+        let near = mesh.vertices().first().copied().unwrap_or(Vector::NAN);
+        let pseudo_normals = mesh.pseudo_normals_if_oriented();
+        Self { mesh, pseudo_normals, near, clear: [(Vector::ZERO, Real::NEG_INFINITY); REMEMBERED], next: 0 }
     }
 
-    /// Distance of `point`, in the mesh's frame; never negative where the mesh is not oriented.
-    pub(crate) fn distance(&self, point: Vector) -> SurfaceDistance {
-        let known = (self.last.get(), self.nearest_on(self.last.get(), point));
-        let (triangle, (_, (nearest, location))) = self
-            .mesh
-            .bvh()
-            .find_best(
-                known.1.0,
-                |node: &BvhNode, _| squared_distance(node, point),
-                |triangle, _| Some(self.nearest_on(triangle, point)),
-            )
-            .unwrap_or(known);
-        self.last.set(triangle);
-        let away = point - nearest;
-        let normal = self.pseudo_normal(triangle, location);
-        let sign = if normal.is_some_and(|normal| away.dot(normal) <= 0.0) { -1.0 } else { 1.0 };
-        let outward = (away * sign).try_normalize().or_else(|| normal?.try_normalize());
-        SurfaceDistance { distance: away.length() * sign, outward: outward.unwrap_or(Vector::Y) }
+    /// The triangle nearest to `point` among those nearer than `reach`, with its point.
+    fn nearest(&self, point: Vector, reach: Real) -> Option<(u32, Nearest)> {
+        let (triangle, (_, nearest)) = self.mesh.bvh().find_best(
+            reach * reach,
+            |node: &BvhNode, _| squared_distance(node, point),
+            |triangle, best| {
+                let corners = self.mesh.triangle(triangle);
+                (!is_plane_beyond(&corners, point, best)).then(|| nearest_on(&corners, point))
+            },
+        )?;
+        Some((triangle, nearest))
     }
 
-    /// The nearest point of one triangle, after its squared distance.
-    fn nearest_on(&self, triangle: u32, point: Vector) -> (Real, Nearest) {
-        let triangle = self.mesh.triangle(triangle);
-        let (projection, location) = triangle.project_local_point_and_get_location(point, false);
-        (projection.point.distance_squared(point), (projection.point, location))
+    /// Whether a ball about `point` that holds no triangle is certain to lie outside of the mesh.
+    fn is_clear(&self, point: Vector, radius: Real) -> bool {
+        let meets =
+            |&(center, clearance): &(Vector, Real)| center.distance(point) < (1.0 - ROUNDING) * (clearance + radius);
+        self.pseudo_normals.is_none() || self.clear.iter().any(meets)
+    }
+
+    fn remember_clear(&mut self, point: Vector, radius: Real) {
+        self.clear[self.next] = (point, radius);
+        self.next = (self.next + 1) % REMEMBERED;
     }
 
     /// A vector that points out of the mesh, to tell the side of points whose nearest one is there: J. A. Bærentzen and
@@ -72,6 +81,52 @@ impl<'a> MeshSurface<'a> {
             }
         }
     }
+}
+
+impl SignedDistance for MeshSurface<'_> {
+    /// Distance of `point`, in the mesh's frame; never negative where the mesh is not oriented.
+    fn distance(&mut self, point: Vector) -> SurfaceDistance {
+        self.distance_within(point, Real::INFINITY)
+    }
+
+    fn distance_within(&mut self, point: Vector, reach: Real) -> SurfaceDistance {
+        // Not less than the distance of the mesh, however small that is.
+        let most = self.near.distance(point) * (1.0 + ROUNDING) + Real::MIN_POSITIVE.sqrt();
+        let mut found = self.nearest(point, most.min(reach.max(0.0)));
+        if found.is_none() && reach < most {
+            if self.is_clear(point, reach) {
+                self.remember_clear(point, reach);
+                return SurfaceDistance { distance: reach, outward: Vector::Y };
+            }
+            found = self.nearest(point, most);
+        }
+        let Some((triangle, (nearest, location))) = found else {
+            return SurfaceDistance { distance: Real::NAN, outward: Vector::Y };
+        };
+        self.near = nearest;
+        let away = point - nearest;
+        let normal = self.pseudo_normal(triangle, location);
+        let sign = if normal.is_some_and(|normal| away.dot(normal) <= 0.0) { -1.0 } else { 1.0 };
+        let distance = away.length() * sign;
+        if distance > 0.0 {
+            self.remember_clear(point, distance);
+        }
+        let outward = (away * sign).try_normalize().or_else(|| normal?.try_normalize());
+        SurfaceDistance { distance, outward: outward.unwrap_or(Vector::Y) }
+    }
+}
+
+/// Whether the plane of a triangle is farther than the root of `square`.
+fn is_plane_beyond(triangle: &Triangle, point: Vector, square: Real) -> bool {
+    let normal = triangle.scaled_normal();
+    let height = normal.dot(point - triangle.a);
+    height * height > (1.0 + ROUNDING) * square * normal.length_squared()
+}
+
+/// The point of `triangle` nearest to `point`, after its squared distance.
+fn nearest_on(triangle: &Triangle, point: Vector) -> (Real, Nearest) {
+    let (projection, location) = triangle.project_local_point_and_get_location(point, false);
+    (projection.point.distance_squared(point), (projection.point, location))
 }
 
 fn squared_distance(node: &BvhNode, point: Vector) -> Real {
@@ -103,7 +158,7 @@ mod tests {
         ) {
             let flags = if oriented { TriMeshFlags::ORIENTED } else { TriMeshFlags::empty() };
             for mesh in meshes(flags) {
-                let surface = MeshSurface::new(&mesh);
+                let mut surface = MeshSurface::new(&mesh);
                 for point in points.iter().map(|p| Vector::from_array(*p)) {
                     let seen = surface.distance(point);
                     let expected = mesh.project_local_point(point, false);
@@ -120,7 +175,7 @@ mod tests {
     #[test]
     fn a_point_on_the_surface_knows_the_way_out() {
         for mesh in meshes(TriMeshFlags::ORIENTED) {
-            let surface = MeshSurface::new(&mesh);
+            let mut surface = MeshSurface::new(&mesh);
             for vertex in mesh.vertices() {
                 let seen = surface.distance(*vertex);
                 assert!(seen.distance.abs() < 1e-6 && seen.outward.dot(*vertex) > 0.0, "{seen:?}");
@@ -131,7 +186,7 @@ mod tests {
     #[test]
     fn points_that_are_no_numbers_have_no_distance() {
         for mesh in meshes(TriMeshFlags::ORIENTED) {
-            let surface = MeshSurface::new(&mesh);
+            let mut surface = MeshSurface::new(&mesh);
             assert!(surface.distance(Vector::NAN).distance.is_nan());
             assert!(surface.distance(Vector::X * 3.0).distance > 1.9);
         }

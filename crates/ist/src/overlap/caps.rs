@@ -10,19 +10,13 @@
 use super::cap::Cap;
 use super::totals::Totals;
 use super::{ContactSample, DeepestPair, ForceLaw, Overlap};
-use crate::InnerSphereTree;
+use crate::{InnerSphereTree, SignedDistance, SurfaceDistance};
 use crate::tree::WIDTH;
 use alloc::vec::Vec;
 use glam::Vec3;
 
-/// The surface of a solid as one point sees it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SurfaceDistance {
-    /// Distance to the surface (m), negative inside. A point whose distance is no number meets nothing.
-    pub distance: f32,
-    /// Unit vector away from the solid.
-    pub outward: Vec3,
-}
+/// Nodes that are farther from B than this share of the bounding ball's radius are not asked about more precisely. Not tuned.
+const SLACK: f32 = 0.02;
 
 /// Room for eight children on each of the at most eleven levels of 2³¹ spheres.
 const MOST_PENDING: usize = 11 * WIDTH;
@@ -70,7 +64,7 @@ impl InnerSphereTree {
     /// `surface` must be 1-Lipschitz, as distances are; it is asked about as many points as B has spheres of A in reach, times
     /// a small constant. Allocates nothing. Returns [`Overlap::default`] where nothing overlaps.
     #[must_use]
-    pub fn overlap_with_surface(&self, surface: impl FnMut(Vec3) -> SurfaceDistance) -> Overlap {
+    pub fn overlap_with_surface(&self, surface: impl SignedDistance) -> Overlap {
         let (totals, deepest) = self.cap_totals(surface, 1.0);
         Overlap { deepest, ..Overlap::from_totals(&totals, ForceLaw::Blended, 1.0) }
     }
@@ -82,7 +76,7 @@ impl InnerSphereTree {
     /// `surface` must be 1-Lipschitz, as distances are.
     pub fn contact_samples_with(
         &self,
-        mut surface: impl FnMut(Vec3) -> SurfaceDistance,
+        mut surface: impl SignedDistance,
         samples: &mut Vec<ContactSample>,
     ) -> f32 {
         self.for_each_cut_ball(&mut surface, |_, CutBall { center, surface, cap, .. }| {
@@ -100,7 +94,7 @@ impl InnerSphereTree {
     /// outward normals that counts.
     fn cap_totals(
         &self,
-        mut surface: impl FnMut(Vec3) -> SurfaceDistance,
+        mut surface: impl SignedDistance,
         share: f64,
     ) -> (Totals, Option<DeepestPair>) {
         let (mut totals, mut deepest) = (Totals::default(), None);
@@ -126,23 +120,24 @@ impl InnerSphereTree {
     }
 
     /// Whether B cuts the certified ball of a sphere too. Mostly the distance of the volume ball's centre tells.
-    fn inner_ball_meets(&self, surface: &mut impl FnMut(Vec3) -> SurfaceDistance, ball: &CutBall) -> bool {
+    fn inner_ball_meets(&self, surface: &mut impl SignedDistance, ball: &CutBall) -> bool {
         let center = self.data().inner_center[ball.index] * self.unit();
         let radius = self.data().inner_radius[ball.index] * self.unit();
         let (shift, distance) = (center.distance(ball.center), ball.surface.distance);
         let is_clear = distance + shift < radius || distance - shift >= radius;
-        if is_clear { distance < radius } else { surface(center).distance < radius }
+        if is_clear { distance < radius } else { surface.distance_within(center, radius).distance < radius }
     }
 
     /// Calls `act` with every ball that B cuts, in the tree's order, at the tree's scale. Returns a lower bound of the
     /// distance of all others.
-    fn for_each_cut_ball<F: FnMut(Vec3) -> SurfaceDistance>(
+    fn for_each_cut_ball<F: SignedDistance>(
         &self,
         surface: &mut F,
         mut act: impl FnMut(&mut F, CutBall),
     ) -> f32 {
         let mut clearance = f32::INFINITY;
         let data = self.data();
+        let slack = SLACK * self.bounding_ball().1;
         let mut pending = [(0, 0, Vec3::ZERO, f32::NEG_INFINITY); MOST_PENDING];
         pending[0].0 = data.height();
         let mut count = 1;
@@ -157,7 +152,7 @@ impl InnerSphereTree {
                 clearance = clearance.min(expected);
                 continue;
             }
-            let seen = surface(center);
+            let seen = surface.distance_within(center, radius + slack);
             if seen.distance >= radius {
                 clearance = clearance.min(seen.distance - radius);
                 continue;

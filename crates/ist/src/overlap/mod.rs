@@ -27,7 +27,6 @@ use crate::simd_level::simd_level;
 use alloc::vec::Vec;
 pub use batch::{OverlapPair, overlap_batch};
 pub use cache::OverlapCache;
-pub use caps::SurfaceDistance;
 use fearless_simd::dispatch;
 pub use force_law::ForceLaw;
 use glam::Vec3;

@@ -7,7 +7,7 @@ use super::BallKind;
 use super::placement::exact_ball;
 use super::stack::Stack;
 use crate::tree::WIDTH;
-use crate::{InnerSphereTree, SurfaceDistance};
+use crate::{InnerSphereTree, SignedDistance, SurfaceDistance};
 use glam::Vec3;
 
 /// The ball of a tree that is nearest to a surface, or deepest behind it.
@@ -50,14 +50,14 @@ impl InnerSphereTree {
         &self,
         balls: BallKind,
         max_gap: f32,
-        surface: impl FnMut(Vec3) -> SurfaceDistance,
+        surface: impl SignedDistance,
     ) -> Option<SurfaceGap> {
         Search { tree: self, balls, surface, enough: f32::NEG_INFINITY }.nearest(max_gap)
     }
 
     /// Whether a ball meets a solid of the given signed distance; touching counts. See [`Self::nearest_to_surface`].
     #[must_use]
-    pub fn meets_surface(&self, balls: BallKind, surface: impl FnMut(Vec3) -> SurfaceDistance) -> bool {
+    pub fn meets_surface(&self, balls: BallKind, surface: impl SignedDistance) -> bool {
         Search { tree: self, balls, surface, enough: 0.0 }.nearest(f32::MIN_POSITIVE).is_some()
     }
 }
@@ -70,13 +70,13 @@ struct Search<'a, F> {
     enough: f32,
 }
 
-impl<F: FnMut(Vec3) -> SurfaceDistance> Search<'_, F> {
+impl<F: SignedDistance> Search<'_, F> {
     fn nearest(&mut self, max_gap: f32) -> Option<SurfaceGap> {
         let tree = self.tree;
         let data = tree.data();
         let (mut limit, mut best) = (max_gap, None);
         let root = (data.height(), 0);
-        let seen = self.see(root)?;
+        let seen = self.see(root, f32::INFINITY)?;
         if data.height() == 0 {
             return (seen.gap < limit).then_some(seen);
         }
@@ -92,7 +92,7 @@ impl<F: FnMut(Vec3) -> SurfaceDistance> Search<'_, F> {
                 if parent.surface.distance - parent.center.distance(center) - radius >= limit {
                     continue;
                 }
-                let Some(seen) = self.see((level - 1, child)).filter(|seen| seen.gap < limit) else {
+                let Some(seen) = self.see((level - 1, child), limit).filter(|seen| seen.gap < limit) else {
                     continue;
                 };
                 if level == 1 {
@@ -120,10 +120,10 @@ impl<F: FnMut(Vec3) -> SurfaceDistance> Search<'_, F> {
         best
     }
 
-    /// `None` where the distance is no number.
-    fn see(&mut self, (level, node): (usize, usize)) -> Option<SurfaceGap> {
+    /// `None` where the distance is no number. A gap of at least `limit` need not be right.
+    fn see(&mut self, (level, node): (usize, usize), limit: f32) -> Option<SurfaceGap> {
         let (center, radius) = ball(self.tree, self.balls, (level, node));
-        let surface = (self.surface)(center);
+        let surface = self.surface.distance_within(center, limit + radius);
         let gap = surface.distance - radius;
         let sphere = if level == 0 { self.tree.packing_index(node) } else { 0 };
         (!gap.is_nan()).then_some(SurfaceGap { gap, sphere, center, radius, surface })

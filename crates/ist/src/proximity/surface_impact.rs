@@ -11,13 +11,16 @@ use super::nearest::Nodes;
 use super::safe_step::time_to_close;
 use super::{BallKind, Impact, ImpactOptions, ProximityWorkspace, RigidMotion, TimeOfImpact};
 use crate::tree::WIDTH;
-use crate::{InnerSphereTree, SurfaceDistance};
+use crate::{InnerSphereTree, SignedDistance};
 use alloc::collections::BinaryHeap;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 /// Tolerance of contact, relative to the radius of the tree's bounding ball, where none larger is asked for: distances of
 /// shapes are computed in f32.
 const CONTACT: f64 = 1e-5;
+
+/// Room for rounding to f32, as a share.
+const ROUNDING: f64 = 1e-6;
 
 /// Nodes are opened when their gap is less than this part of their radius.
 const CLOSE: f64 = 0.1;
@@ -29,7 +32,7 @@ impl InnerSphereTree {
     /// When the balls of this solid (A) first come within the target distance of a solid B, which move by `motions` in the
     /// world.
     ///
-    /// `surface` gives B's signed distance in B's frame; it must be 1-Lipschitz, as distances are. The result is that of
+    /// `surface` gives B's signed distance in B's frame. The result is that of
     /// [`Self::time_of_impact`] with 0 for B's sphere and the point of B nearest to the ball's centre. The time is not later
     /// than the first contact; it is as inexact as the distances are.
     ///
@@ -38,7 +41,7 @@ impl InnerSphereTree {
     #[must_use]
     pub fn time_of_surface_impact(
         &self,
-        surface: impl FnMut(Vec3) -> SurfaceDistance,
+        surface: impl SignedDistance,
         motions: &[RigidMotion; 2],
         options: &ImpactOptions,
         workspace: &mut ProximityWorkspace,
@@ -52,7 +55,7 @@ impl InnerSphereTree {
     #[must_use]
     pub fn time_of_convex_impact(
         &self,
-        surface: impl FnMut(Vec3) -> SurfaceDistance,
+        surface: impl SignedDistance,
         motions: &[RigidMotion; 2],
         options: &ImpactOptions,
         workspace: &mut ProximityWorkspace,
@@ -62,7 +65,7 @@ impl InnerSphereTree {
 
     fn cast_at_surface(
         &self,
-        (surface, is_convex): (impl FnMut(Vec3) -> SurfaceDistance, bool),
+        (surface, is_convex): (impl SignedDistance, bool),
         motions: &[RigidMotion; 2],
         options: &ImpactOptions,
         workspace: &mut ProximityWorkspace,
@@ -114,13 +117,13 @@ struct Sight {
     offset: DVec3,
 }
 
-impl<F: FnMut(Vec3) -> SurfaceDistance> Cast<'_, F> {
+impl<F: SignedDistance> Cast<'_, F> {
     fn run(&mut self, visits: usize, heap: &mut BinaryHeap<Due>) -> TimeOfImpact {
         let root = Nodes { level: [self.tree.data().height() as u8, 0], node: [0, 0] };
         heap.push(Due { time: 0.0, nodes: root });
         for _ in 0..visits {
             let Some(due) = heap.pop() else { return TimeOfImpact::NoHit };
-            let sight = self.sight(&due);
+            let Some(sight) = self.sight(&due) else { continue };
             let is_leaf = due.nodes.level[0] == 0;
             if is_leaf && sight.gap <= self.close {
                 if due.time > 0.0 || self.counts(&sight) {
@@ -147,16 +150,22 @@ impl<F: FnMut(Vec3) -> SurfaceDistance> Cast<'_, F> {
         safe.map_or(TimeOfImpact::NoHit, |time| TimeOfImpact::Undecided { safe_time: rounded_down(time) })
     }
 
-    fn sight(&mut self, due: &Due) -> Sight {
+    /// `None` where they cannot meet in the rest of the time.
+    fn sight(&mut self, due: &Due) -> Option<Sight> {
         let now = Snapshot::new(self.tree, self.kind, &self.movers[0], due.time);
         let ball = now.ball(due.nodes.level[0].into(), due.nodes.node[0] as usize);
         let (rotation, center, local_center) = self.movers[1].frame_at(due.time);
         let offset = ball.center - center;
         let local = rotation.inverse() * offset + local_center;
-        let seen = (self.surface)(local.as_vec3());
+        let way = self.longest_way(&ball, offset, self.max_time - due.time);
+        let reach = ((ball.radius + self.target + way) * (1.0 + ROUNDING)) as f32;
+        let seen = self.surface.distance_within(local.as_vec3(), reach);
+        if seen.distance >= reach {
+            return None;
+        }
         let distance = f64::from(seen.distance);
         let outward = rotation * seen.outward.as_dvec3();
-        Sight { gap: distance - ball.radius - self.target, outward, distance, ball, offset }
+        Some(Sight { gap: distance - ball.radius - self.target, outward, distance, ball, offset })
     }
 
     /// Whether a ball in contact at the start is approaching by enough to count.
@@ -170,6 +179,21 @@ impl<F: FnMut(Vec3) -> SurfaceDistance> Cast<'_, F> {
         let [a, b] = &self.movers;
         let velocity = a.velocity + a.spin.cross(sight.ball.arm) - b.velocity - b.spin.cross(sight.offset);
         sight.outward.dot(velocity)
+    }
+
+    /// A bound of the way of a ball towards the solid in a time: see [`Self::safe_step`].
+    fn longest_way(&self, ball: &MovingBall, offset: DVec3, time: f64) -> f64 {
+        let speed = self.speed(ball);
+        let spin = self.movers[1].spin.length();
+        let way = (speed + spin * offset.length() + 0.5 * spin * speed * time) * time;
+        // Nothing goes anywhere, however long that takes.
+        if speed == 0.0 && spin == 0.0 { 0.0 } else { way }
+    }
+
+    /// A bound of the ball's speed relative to the solid's centre (m/s).
+    fn speed(&self, ball: &MovingBall) -> f64 {
+        let [a, b] = &self.movers;
+        (a.velocity - b.velocity).length() + a.spin.cross(ball.arm).length()
     }
 
     /// A time, at most `rest`, in which the ball does not come within the target distance of the solid.
@@ -186,7 +210,7 @@ impl<F: FnMut(Vec3) -> SurfaceDistance> Cast<'_, F> {
         }
         let [a, b] = &self.movers;
         let turning = a.spin.cross(sight.ball.arm).length();
-        let speed = (a.velocity - b.velocity).length() + turning;
+        let speed = self.speed(&sight.ball);
         let (spin, distance) = (b.spin.length(), sight.offset.length());
         if !self.is_convex {
             return time_to_close(sight.gap, -(speed + spin * distance), spin * speed);

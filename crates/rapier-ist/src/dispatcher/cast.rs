@@ -73,10 +73,10 @@ impl Cast {
 
     /// Of a mesh only the nearest triangle is looked at, instead of all that may be in the way.
     fn against_mesh(&self, tree: &InnerSphereTree, shape: &dyn Shape) -> Option<First> {
-        let surface = surface_of(shape, &Pose::IDENTITY);
         self.first(tree, |options| {
             with_workspace(|workspace| {
-                tree.time_of_surface_impact(&surface, &self.motions, options, &mut workspace.proximity)
+                let surface = surface_of(shape, &Pose::IDENTITY);
+                tree.time_of_surface_impact(surface, &self.motions, options, &mut workspace.proximity)
             })
         })
     }

@@ -72,16 +72,29 @@ impl Sample {
         self.velocity - self.normal * self.velocity.dot(self.normal)
     }
 
-    /// Force at `u` and minus its derivative, never negative: with a negative dissipation the force falls where the approach
-    /// is fast, and with that tangent the system would not be positive definite.
+    /// Force at `u` and minus its derivative, which is never negative.
     fn law(&self, u: f64) -> (f64, f64) {
         let x = 1.0 + 0.5 * self.rate * (self.moved - u);
-        let y = 1.0 - self.dissipation * u;
+        let dissipating = u.max(self.fastest_dissipating());
+        let y = 1.0 - self.dissipation * dissipating;
         if x <= 0.0 || y <= 0.0 {
-            (0.0, 0.0)
-        } else {
-            (self.push * x * x * y, self.push * x * (self.rate * y + self.dissipation * x).max(0.0))
+            return (0.0, 0.0);
         }
+        let slope = if u < dissipating { 0.0 } else { self.dissipation * x };
+        (self.push * x * x * y, self.push * x * (self.rate * y + slope).max(0.0))
+    }
+
+    /// Below this velocity the factor of the dissipation stays what it is there.
+    ///
+    /// With a negative dissipation the force would fall where the approach is fast, and end: bodies would pass through each
+    /// other, or the system would not be positive definite. The greatest force is at the velocity where the derivative of
+    /// `x² (1 − δ u)` is 0; and no more than half of the force is taken away.
+    fn fastest_dissipating(&self) -> f64 {
+        if self.dissipation >= 0.0 {
+            return f64::NEG_INFINITY;
+        }
+        let greatest = (2.0 / self.rate + self.moved + 2.0 / self.dissipation) / 3.0;
+        greatest.max(0.5 / self.dissipation)
     }
 
     /// The normal velocity at which the law gives `force`, positive (N).
@@ -144,13 +157,17 @@ mod tests {
     }
 
     proptest! {
-        /// A pile of a hundred gears burst within a step: one sample had a damping of −190 N·s/m.
+        /// A pile of a hundred gears burst within a step: one sample had a damping of −190 N·s/m. And bodies went 4 cm into others
+        /// without a force where they arrived faster than the dissipation was made for.
         #[test]
-        fn issue_no_contact_feeds_motion(
+        fn issue_faster_approach_never_takes_force_away(
             (rate, moved, dissipation) in (1e-2_f64..1e3, -5.0_f64..5.0, -50.0_f64..50.0), u in -50.0_f64..50.0,
+            faster in 0.0_f64..50.0,
         ) {
-            let (force, damping) = sample(rate, moved, dissipation).law(u);
+            let sample = sample(rate, moved, dissipation);
+            let ((force, damping), more) = (sample.law(u), sample.law(u - faster).0);
             prop_assert!(force >= 0.0 && damping >= 0.0, "{force} {damping}");
+            prop_assert!(more >= force * (1.0 - 1e-12), "{more} after {force}");
         }
 
         #[test]
