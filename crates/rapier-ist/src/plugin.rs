@@ -6,6 +6,7 @@ use crate::force_events::ForceEvents;
 use crate::hooks::{PenaltyHooks, switch_filters_off, switch_filters_on};
 use crate::kinematic::KinematicTargets;
 use crate::memory::Memory;
+use crate::mesh_trees::NearbyMeshes;
 use crate::response::respond;
 use crate::stiffness::StiffnessTable;
 use crate::touching::Touching;
@@ -70,6 +71,7 @@ pub struct IstPlugin {
     stiffness: StiffnessTable,
     touching: Touching,
     force_events: ForceEvents,
+    meshes: NearbyMeshes,
 }
 
 impl Default for IstPlugin {
@@ -82,6 +84,7 @@ impl Default for IstPlugin {
             stiffness: StiffnessTable::default(),
             touching: Touching::default(),
             force_events: ForceEvents::default(),
+            meshes: NearbyMeshes::default(),
         }
     }
 }
@@ -227,6 +230,8 @@ impl IstPlugin {
         let start = Instant::now();
         let candidates = candidates(world, hooks);
         self.report.candidates += candidates.len();
+        let near = candidates.iter().flat_map(|candidate| candidate.colliders);
+        self.meshes.update(near.filter_map(|handle| Some(world.colliders.get(handle)?.shared_shape())));
         self.report.query_seconds += start.elapsed().as_secs_f64();
         let law = ContactLaw { penalty, stiffness: &self.stiffness };
         respond(world, candidates, law, (&mut self.report, &mut self.memory))

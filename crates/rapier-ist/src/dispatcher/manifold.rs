@@ -5,7 +5,7 @@ use super::patch::Patch;
 use super::workspace::{Workspace, with_workspace};
 use crate::against_shape;
 use ist::{BallKind, InnerSphereTree};
-use rapier3d::math::{Pose, Real};
+use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::query::Unsupported;
 use rapier3d::parry::query::details::VoxelsShapeContactManifoldsWorkspace;
 use rapier3d::parry::query::{ContactManifold, ContactManifoldsWorkspace, TrackedContact};
@@ -69,15 +69,20 @@ pub(super) fn with_patches<T>(
     }))
 }
 
-/// The deepest place of two shapes, or the nearest within `prediction`, as a patch of one point.
+/// Where two shapes touch, or the nearest place within `prediction`, as a patch of one point. `last` has the points of the last
+/// time, each in its shape's frame.
 ///
-/// Tells that the shapes are in contact without measuring their overlap.
+/// Tells that the shapes are in contact without measuring their overlap, and mostly without looking for the deepest place:
+/// shapes that touched somewhere mostly still touch there.
 pub(super) fn detected_patch(
     pos12: &Pose,
     (g1, g2): (&dyn Shape, &dyn Shape),
     prediction: Real,
+    last: Option<[Vector; 2]>,
 ) -> Result<Option<Patch>, Unsupported> {
-    let gap = Pair::new(g1, g2)?.gap(pos12, BallKind::Volume, prediction);
+    let pair = Pair::new(g1, g2)?;
+    let still = last.and_then(|last| pair.gap_at(pos12, last)).filter(|gap| gap.gap < 0.0);
+    let gap = still.or_else(|| pair.gap(pos12, BallKind::Volume, prediction));
     Ok(gap.map(|gap| Patch::single(gap.points, gap.normal, gap.gap)))
 }
 

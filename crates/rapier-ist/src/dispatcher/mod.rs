@@ -38,7 +38,8 @@ use std::any::Any;
 ///   report as meeting does meet, and distances are upper bounds of those of the solids. Contact manifolds rest on the volume
 ///   balls, as forces do.
 /// - Manifolds that Rapier's solver leaves alone, as while a volume penalty pushes, and no contact-modification hook looks at
-///   have one point, the deepest: they tell that shapes are in contact.
+///   have one point: they tell that shapes are in contact. It is the deepest place where the tree meets one of its own kind, and
+///   else that of the step in which the shapes met, for as long as they touch there.
 /// - Compounds with inner sphere trees among their parts are seen part by part, by parry's own algorithms. Contacts of
 ///   such a part have one manifold with one normal, and forces come from Rapier's solver under every
 ///   [`ContactModel`](crate::ContactModel): several colliders on one body do better. Other custom parts are not seen.
@@ -160,7 +161,9 @@ where
             return pair.contact_manifolds(pos12, prediction, manifolds, workspace);
         }
         if are_left_alone(manifolds) {
-            let patch = detected_patch(pos12, (g1, g2), prediction)?;
+            let last = manifolds.first().and_then(|manifold| manifold.points.first());
+            let last = last.map(|point| [point.local_p1, point.local_p2]);
+            let patch = detected_patch(pos12, (g1, g2), prediction, last)?;
             write_manifolds(patch.as_slice(), (pos12, prediction), manifolds, workspace);
             return Ok(());
         }

@@ -3,7 +3,7 @@
 use super::pair::{Other, Pair};
 use super::workspace::with_workspace;
 use crate::against_shape::surface_of;
-use ist::BallKind;
+use ist::{BallKind, SignedDistance};
 use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::query::{ClosestPoints, Contact, Unsupported};
 use rapier3d::parry::shape::Shape;
@@ -52,11 +52,28 @@ impl Pair<'_> {
                 Gap { gap: found.gap, points, normal: -found.surface.outward }
             }
         };
+        Some(self.in_first_frame(gap, pos12))
+    }
+
+    /// The distance of a point of the tree from the surface of the other shape. `last` has the point on each shape, in its frame.
+    /// `None` where both are trees.
+    pub(super) fn gap_at(&self, pos12: &Pose, last: [Vector; 2]) -> Option<Gap> {
+        let pose = self.pose(pos12);
+        let (Other::Shape(shape), true) = (self.other, pose.is_finite()) else { return None };
+        let point = last[usize::from(self.is_swapped)];
+        let surface = surface_of(shape, &pose).distance(point);
+        let points = [point, point - surface.distance * surface.outward];
+        let gap = Gap { gap: surface.distance, points, normal: -surface.outward };
+        Some(self.in_first_frame(gap, pos12))
+    }
+
+    /// A gap in the frame of the first shape instead of the tree's.
+    fn in_first_frame(&self, gap: Gap, pos12: &Pose) -> Gap {
         if !self.is_swapped {
-            return Some(gap);
+            return gap;
         }
         let points = [gap.points[1], gap.points[0]].map(|point| *pos12 * point);
-        Some(Gap { gap: gap.gap, points, normal: -(pos12.rotation * gap.normal) })
+        Gap { gap: gap.gap, points, normal: -(pos12.rotation * gap.normal) }
     }
 }
 
