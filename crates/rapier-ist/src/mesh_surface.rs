@@ -35,7 +35,14 @@ impl<'a> MeshSurface<'a> {
     pub(crate) fn new(mesh: &'a TriMesh) -> Self {
         let near = mesh.vertices().first().copied().unwrap_or(Vector::NAN);
         let pseudo_normals = mesh.pseudo_normals_if_oriented();
-        Self { mesh, tree: tree_of(mesh), pseudo_normals, near, clear: [(Vector::ZERO, Real::NEG_INFINITY); REMEMBERED], next: 0 }
+        Self {
+            mesh,
+            tree: tree_of(mesh),
+            pseudo_normals,
+            near,
+            clear: [(Vector::ZERO, Real::NEG_INFINITY); REMEMBERED],
+            next: 0,
+        }
     }
 
     /// The triangle nearest to `point` among those nearer than `reach`, with its point.
@@ -59,10 +66,12 @@ impl<'a> MeshSurface<'a> {
         search.get().found()
     }
 
-    /// Whether a ball about `point` that holds no triangle is certain to lie outside of the mesh.
+    /// Whether a ball about `point` that holds no triangle lies outside of the mesh: it meets another that does. So the space beyond
+    /// the border of an open mesh is outside on both sides, although the pseudo-normals of the border give it an inside.
     fn is_clear(&self, point: Vector, radius: Real) -> bool {
-        let meets =
-            |&(center, clearance): &(Vector, Real)| center.distance(point) < (1.0 - ROUNDING) * (clearance + radius);
+        let meets = |&(center, clearance): &(Vector, Real)| {
+            center.distance(point) < (1.0 - ROUNDING) * (clearance + radius)
+        };
         self.pseudo_normals.is_none() || self.clear.iter().any(meets)
     }
 
@@ -108,7 +117,9 @@ impl SignedDistance for MeshSurface<'_> {
             }
             found = self.nearest(point, most);
         }
-        let Some(Found { triangle, nearest, location }) = found.or_else(|| self.nearest(point, Real::INFINITY)) else {
+        let Some(Found { triangle, nearest, location }) =
+            found.or_else(|| self.nearest(point, Real::INFINITY))
+        else {
             return SurfaceDistance { distance: Real::NAN, outward: Vector::Y };
         };
         self.near = nearest;
@@ -136,32 +147,70 @@ mod tests {
     use rapier3d::parry::query::PointQuery;
     use rapier3d::parry::shape::{Ball, Cuboid, Cylinder, TriMeshFlags};
 
-    /// Meshes with faces, edges and corners of all kinds.
+    /// Meshes with faces, edges and corners of all kinds, slivers, and few and many triangles.
     fn meshes(flags: TriMeshFlags) -> Vec<TriMesh> {
+        let (needles, triangles) = Cylinder::new(0.2, 1.0).to_trimesh(40);
+        let needles = needles.into_iter().map(|v| v * Vector::new(1e-3, 1.2, 0.3)).collect();
         let parts = [
             Ball::new(1.0).to_trimesh(12, 8),
+            Ball::new(0.8).to_trimesh(40, 30),
             Cuboid::new(Vector::new(1.0, 0.1, 0.4)).to_trimesh(),
             Cylinder::new(0.2, 1.0).to_trimesh(17),
+            (needles, triangles),
+            (vec![Vector::X, Vector::Y, Vector::Z], vec![[0, 1, 2]]),
         ];
         parts.into_iter().map(|(v, t)| TriMesh::with_flags(v, t, flags).unwrap()).collect()
     }
 
+    /// Without a tree and with one.
+    fn surfaces(mesh: &TriMesh) -> [MeshSurface<'_>; 2] {
+        let tree = TriangleTree::new(mesh).map(Arc::new);
+        [MeshSurface::new(mesh), MeshSurface { tree, ..MeshSurface::new(mesh) }]
+    }
+
+    fn points() -> impl Strategy<Value = Vec<Vector>> {
+        prop::collection::vec(prop::array::uniform3(-1.5_f32..1.5).prop_map(Vector::from), 20)
+    }
+
     proptest! {
         #[test]
-        fn points_are_as_far_as_parry_says(
-            points in prop::collection::vec(prop::array::uniform3(-1.5_f32..1.5), 20), oriented in prop::bool::ANY,
+        fn points_are_as_far_as_parry_says(points in points(), oriented in prop::bool::ANY) {
+            let flags = if oriented { TriMeshFlags::ORIENTED } else { TriMeshFlags::empty() };
+            for mesh in meshes(flags) {
+                for mut surface in surfaces(&mesh) {
+                    for point in points.iter().copied() {
+                        let seen = surface.distance(point);
+                        let expected = mesh.project_local_point(point, false);
+                        let distance = expected.point.distance(point);
+                        prop_assert!((seen.distance.abs() - distance).abs() <= 1e-6, "{} {distance}", seen.distance);
+                        if mesh.num_triangles() > 1 {
+                            prop_assert!(distance < 1e-6 || (seen.distance < 0.0) == expected.is_inside);
+                        }
+                        let on_surface = point - seen.outward * seen.distance;
+                        prop_assert!(mesh.project_local_point(on_surface, false).point.distance(on_surface) < 1e-6);
+                    }
+                }
+            }
+        }
+
+        /// Bit for bit: whether and when a mesh gets its tree changes nothing.
+        #[test]
+        fn distances_do_not_depend_on_the_search(
+            points in points(), reaches in prop::collection::vec(-0.5_f32..1.0, 20), oriented in prop::bool::ANY,
         ) {
             let flags = if oriented { TriMeshFlags::ORIENTED } else { TriMeshFlags::empty() };
             for mesh in meshes(flags) {
-                let mut surface = MeshSurface::new(&mesh);
-                for point in points.iter().map(|p| Vector::from_array(*p)) {
-                    let seen = surface.distance(point);
-                    let expected = mesh.project_local_point(point, false);
-                    let distance = expected.point.distance(point);
-                    prop_assert!((seen.distance.abs() - distance).abs() <= 1e-6, "{} {distance}", seen.distance);
-                    prop_assert!(distance < 1e-6 || (seen.distance < 0.0) == expected.is_inside);
-                    let on_surface = point - seen.outward * seen.distance;
-                    prop_assert!(mesh.project_local_point(on_surface, false).point.distance(on_surface) < 1e-6);
+                let [mut plain, mut fast] = surfaces(&mesh);
+                for (point, reach) in points.iter().zip(&reaches) {
+                    let [exact, again] = surfaces(&mesh).map(|mut surface| surface.distance(*point));
+                    prop_assert_eq!(exact, again);
+                    let seen = plain.distance_within(*point, *reach);
+                    prop_assert_eq!(seen, fast.distance_within(*point, *reach));
+                    if exact.distance < *reach && mesh.num_triangles() > 1 {
+                        prop_assert_eq!(seen, exact);
+                    } else if mesh.num_triangles() > 1 {
+                        prop_assert!(seen.distance >= *reach && seen.distance <= exact.distance);
+                    }
                 }
             }
         }
@@ -169,11 +218,12 @@ mod tests {
 
     #[test]
     fn a_point_on_the_surface_knows_the_way_out() {
-        for mesh in meshes(TriMeshFlags::ORIENTED) {
-            let mut surface = MeshSurface::new(&mesh);
-            for vertex in mesh.vertices() {
-                let seen = surface.distance(*vertex);
-                assert!(seen.distance.abs() < 1e-6 && seen.outward.dot(*vertex) > 0.0, "{seen:?}");
+        for mesh in meshes(TriMeshFlags::ORIENTED).iter().filter(|mesh| mesh.num_triangles() > 1) {
+            for mut surface in surfaces(mesh) {
+                for vertex in mesh.vertices() {
+                    let seen = surface.distance(*vertex);
+                    assert!(seen.distance.abs() < 1e-6 && seen.outward.dot(*vertex) > 0.0, "{seen:?}");
+                }
             }
         }
     }
@@ -181,9 +231,11 @@ mod tests {
     #[test]
     fn points_that_are_no_numbers_have_no_distance() {
         for mesh in meshes(TriMeshFlags::ORIENTED) {
-            let mut surface = MeshSurface::new(&mesh);
-            assert!(surface.distance(Vector::NAN).distance.is_nan());
-            assert!(surface.distance(Vector::X * 3.0).distance > 1.9);
+            for mut surface in surfaces(&mesh) {
+                assert!(surface.distance(Vector::NAN).distance.is_nan());
+                assert!(surface.distance_within(Vector::NAN, 1.0).distance.is_nan());
+                assert!(surface.distance(Vector::X * 3.0).distance.abs() > 1.9);
+            }
         }
     }
 }

@@ -79,3 +79,71 @@ fn keep(shape: &SharedShape) {
 fn address(mesh: &TriMesh) -> usize {
     from_ref(mesh).addr()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rapier3d::math::Vector;
+    use rapier3d::parry::shape::Cuboid;
+    use std::time::{Duration, Instant};
+
+    fn mesh() -> SharedShape {
+        let (vertices, triangles) = Cuboid::new(Vector::ONE).to_trimesh();
+        SharedShape::trimesh(vertices, triangles).unwrap()
+    }
+
+    fn has_tree(shape: &SharedShape) -> bool {
+        shape.as_trimesh().and_then(tree_of).is_some()
+    }
+
+    /// Trees are made on another thread.
+    fn becomes(mut is_so: impl FnMut() -> bool) -> bool {
+        let start = Instant::now();
+        while !is_so() {
+            if start.elapsed() > Duration::from_secs(20) {
+                return false;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        true
+    }
+
+    #[test]
+    fn a_mesh_that_stays_near_gets_a_tree_and_loses_it_with_its_last_owner() {
+        let (shape, ball) = (mesh(), SharedShape::ball(1.0));
+        let mut nearby = NearbyMeshes::default();
+        for _ in 1..STEPS {
+            nearby.update([&shape, &ball, &shape].into_iter());
+            assert!(!has_tree(&shape));
+        }
+        // A step away from all bodies: counted anew.
+        nearby.update(std::iter::empty());
+        for _ in 1..STEPS {
+            nearby.update([&shape].into_iter());
+        }
+        assert!(!has_tree(&shape));
+        nearby.update([&shape].into_iter());
+        assert!(becomes(|| has_tree(&shape)));
+        let place = address(shape.as_trimesh().unwrap());
+        drop(shape);
+        assert!(becomes(|| {
+            nearby.update(std::iter::empty());
+            !TREES.read().unwrap().contains_key(&place)
+        }));
+    }
+
+    /// A mesh that is changed is another one.
+    #[test]
+    fn a_changed_mesh_has_no_tree() {
+        let mut shape = mesh();
+        let mut nearby = NearbyMeshes::default();
+        for _ in 0..STEPS {
+            nearby.update([&shape].into_iter());
+        }
+        assert!(becomes(|| has_tree(&shape)));
+        let kept = shape.clone();
+        let changed = shape.make_mut().as_trimesh_mut().unwrap();
+        *changed = changed.clone().scaled(Vector::splat(2.0));
+        assert!(has_tree(&kept) && !has_tree(&shape));
+    }
+}

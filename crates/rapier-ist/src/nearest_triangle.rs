@@ -65,13 +65,16 @@ impl NearestTriangle {
 
     /// Whether the plane of a triangle is certain to be farther than the nearest: most need no projection.
     ///
-    /// Of a sliver the normal is uncertain: it is the difference of products of the sides.
+    /// Of a sliver the normal is uncertain: it is the difference of products of the sides. With the error e of the normal n the
+    /// distance is at least `(|n·p| − e |p|) / (|n| + e)`, and `(|n| + e)² ≤ 1.01 n² + 101 e²`. Sums of components stand for
+    /// lengths, as roots take longer than the rest.
     fn is_plane_beyond(&self, triangle: &Triangle) -> bool {
         let (ab, ac, ap) = (triangle.b - triangle.a, triangle.c - triangle.a, self.point - triangle.a);
+        let sum = |v: Vector| v.abs().element_sum();
         let normal = ab.cross(ac);
-        let error = ROUNDING * (ab.length_squared() * ac.length_squared()).sqrt();
-        let height = normal.dot(ap).abs() - error * ap.length();
-        let most = normal.length() + error;
-        height > 0.0 && height * height > self.square * most * most
+        let error = 1e-6 * sum(ab) * sum(ac);
+        let height = normal.dot(ap).abs() - error * sum(ap);
+        height > 0.0
+            && height * height > self.square * (1.01 * normal.length_squared() + 101.0 * error * error)
     }
 }

@@ -53,6 +53,10 @@ impl TriangleTree {
 
     /// Shows `search` all triangles that may be the nearest.
     pub(crate) fn search(&self, search: &mut NearestTriangle) {
+        // Missing boxes would be as near as others.
+        if !search.point().is_finite() {
+            return;
+        }
         let mut pending = [(0.0, 0_u32); MOST_PENDING];
         let mut count = 1;
         while count > 0 {
@@ -71,6 +75,7 @@ impl TriangleTree {
             for half in 0..WIDTH / LANES {
                 let squares = node.squared_distances(half, search.point());
                 let mut near = search.may_hold_nearest(squares).bitmask();
+                let squares = squares.to_array();
                 while near != 0 {
                     let lane = near.trailing_zeros() as usize;
                     near &= near - 1;
@@ -167,9 +172,7 @@ fn split<'a>(leaves: &'a mut [Leaf], capacity: usize, parts: &mut [&'a mut [Leaf
     let extents = bounds(leaves).extents();
     let axis = extents.max_position();
     let center = |leaf: &Leaf| leaf.bounds.mins[axis] + leaf.bounds.maxs[axis];
-    leaves.select_nth_unstable_by(middle, |a, b| {
-        center(a).total_cmp(&center(b)).then(a.index.cmp(&b.index))
-    });
+    leaves.select_nth_unstable_by(middle, |a, b| center(a).total_cmp(&center(b)).then(a.index.cmp(&b.index)));
     let (left, right) = leaves.split_at_mut(middle);
     split(left, capacity, first);
     split(right, capacity, second);

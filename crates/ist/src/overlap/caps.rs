@@ -10,8 +10,8 @@
 use super::cap::Cap;
 use super::totals::Totals;
 use super::{ContactSample, DeepestPair, ForceLaw, Overlap};
-use crate::{InnerSphereTree, SignedDistance, SurfaceDistance};
 use crate::tree::WIDTH;
+use crate::{InnerSphereTree, SignedDistance, SurfaceDistance};
 use alloc::vec::Vec;
 use glam::Vec3;
 
@@ -92,11 +92,7 @@ impl InnerSphereTree {
 
     /// Sums over all balls that B cuts, at the tree's scale, and the one that is cut deepest. `share` is the part of A's own
     /// outward normals that counts.
-    fn cap_totals(
-        &self,
-        mut surface: impl SignedDistance,
-        share: f64,
-    ) -> (Totals, Option<DeepestPair>) {
+    fn cap_totals(&self, mut surface: impl SignedDistance, share: f64) -> (Totals, Option<DeepestPair>) {
         let (mut totals, mut deepest) = (Totals::default(), None);
         let mut greatest = 0.0;
         self.for_each_cut_ball(&mut surface, |surface, ball| {

@@ -3,7 +3,7 @@
 use super::*;
 use crate::reference;
 use crate::tree::tests::random_packing;
-use crate::{InnerSphere, SolidProperties, SpherePacking};
+use crate::{InnerSphere, SolidProperties, SpherePacking, SurfaceDistance};
 use alloc::vec::Vec;
 use core::f32::consts::PI;
 use glam::{DQuat, DVec3, Quat};
@@ -113,7 +113,7 @@ proptest! {
             });
             caps.sum::<f64>()
         };
-        let overlap = tree.overlap_with_surface(|p| {
+        let overlap = tree.overlap_with_surface(|p: Vec3| {
             let way = p - at;
             SurfaceDistance { distance: way.length() - radius, outward: way.normalize_or(Vec3::Y) }
         });

@@ -120,13 +120,15 @@ impl<F: SignedDistance> Search<'_, F> {
         best
     }
 
-    /// `None` where the distance is no number. A gap of at least `limit` need not be right.
+    /// `None` where the gap is certainly not less than `limit`, and where the distance is no number.
     fn see(&mut self, (level, node): (usize, usize), limit: f32) -> Option<SurfaceGap> {
         let (center, radius) = ball(self.tree, self.balls, (level, node));
-        let surface = self.surface.distance_within(center, limit + radius);
+        // Touching counts where the limit is the least above 0.
+        let reach = (limit + radius).next_up();
+        let surface = self.surface.distance_within(center, reach);
         let gap = surface.distance - radius;
         let sphere = if level == 0 { self.tree.packing_index(node) } else { 0 };
-        (!gap.is_nan()).then_some(SurfaceGap { gap, sphere, center, radius, surface })
+        (surface.distance < reach).then_some(SurfaceGap { gap, sphere, center, radius, surface })
     }
 }
 

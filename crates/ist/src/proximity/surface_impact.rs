@@ -185,9 +185,9 @@ impl<F: SignedDistance> Cast<'_, F> {
     fn longest_way(&self, ball: &MovingBall, offset: DVec3, time: f64) -> f64 {
         let speed = self.speed(ball);
         let spin = self.movers[1].spin.length();
-        let way = (speed + spin * offset.length() + 0.5 * spin * speed * time) * time;
-        // Nothing goes anywhere, however long that takes.
-        if speed == 0.0 && spin == 0.0 { 0.0 } else { way }
+        // What stands still goes nowhere, however long that takes.
+        let way = |speed: f64| if speed == 0.0 { 0.0 } else { speed * time };
+        way(speed + spin * offset.length()) + 0.5 * way(way(spin * speed))
     }
 
     /// A bound of the ball's speed relative to the solid's centre (m/s).

@@ -81,8 +81,12 @@ pub(super) fn detected_patch(
     last: Option<[Vector; 2]>,
 ) -> Result<Option<Patch>, Unsupported> {
     let pair = Pair::new(g1, g2)?;
-    let still = last.and_then(|last| pair.gap_at(pos12, last)).filter(|gap| gap.gap < 0.0);
-    let gap = still.or_else(|| pair.gap(pos12, BallKind::Volume, prediction));
+    let there = last.and_then(|last| pair.gap_at(pos12, last)).filter(|gap| gap.gap < prediction);
+    let gap = match there {
+        Some(gap) if gap.gap < 0.0 => there,
+        Some(gap) => pair.gap(pos12, BallKind::Volume, gap.gap).or(there),
+        None => pair.gap(pos12, BallKind::Volume, prediction),
+    };
     Ok(gap.map(|gap| Patch::single(gap.points, gap.normal, gap.gap)))
 }
 
