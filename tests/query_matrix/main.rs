@@ -7,6 +7,7 @@ mod bad_poses;
 mod casts;
 mod compounds;
 mod continuous;
+mod left_alone;
 mod shape;
 mod static_queries;
 

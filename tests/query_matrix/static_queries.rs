@@ -9,10 +9,10 @@ use rapier3d::parry::query::{
 use rapier3d::parry::shape::{Ball, Shape};
 
 /// parry's support-mapped queries iterate to about this (m).
-const TOLERANCE: f64 = 2e-3;
+pub(crate) const TOLERANCE: f64 = 2e-3;
 
 /// Signed distance of the balls from `shape` at `pose`, by brute force; parry's own point queries.
-fn reference(shape: &dyn Shape, pose: &Pose) -> Real {
+pub(crate) fn reference(shape: &dyn Shape, pose: &Pose) -> Real {
     let part = |shape: &dyn Shape, pose: &Pose| {
         let gap = |(center, radius): &(rapier3d::math::Vector, Real)| {
             let local = pose.inverse_transform_point(*center);
