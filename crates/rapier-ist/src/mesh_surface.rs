@@ -1,7 +1,7 @@
 //! Signed distances of points from a triangle mesh.
 //!
-//! The same as parry's projection gives, in a third of the time for the balls of a tree: they come in an order in which neighbours
-//! follow each other, and of most it is enough to know that they are clear of the mesh.
+//! The same as parry's projection gives, sooner for the balls of a tree: they come in an order in which neighbours follow each
+//! other, and of most it is enough to know that they are clear of the mesh.
 
 use crate::mesh_trees::tree_of;
 use crate::nearest_triangle::{Found, NearestTriangle, ROUNDING};

@@ -28,6 +28,9 @@ use std::time::Instant;
 /// differs in that it begins solves without a guess, and takes contacts under way for ones that began slowly. Results do not
 /// depend on the number of threads.
 ///
+/// A triangle mesh that bodies have been near for ten steps gets a search tree, of about 100 bytes a triangle, which all plugins
+/// share. It is made on a thread of its own and goes with the mesh's last collider; results are the same without.
+///
 /// # What Rapier's settings do
 /// - Friction, restitution, combine rules, contact skin, collision and solver groups, `ActiveCollisionTypes`, sensors,
 ///   locked axes, dominance groups, gravity scale, `length_unit` and joints with and without contacts: as in Rapier.
