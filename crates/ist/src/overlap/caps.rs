@@ -61,7 +61,7 @@ impl InnerSphereTree {
     /// [`Overlap::pairs`] and [`Overlap::deepest`], and there is no [`Overlap::stiffness`]. [`Overlap::intersects`] is as
     /// certain as the distances are.
     ///
-    /// `surface` must be 1-Lipschitz, as distances are; it is asked about as many points as B has spheres of A in reach, times
+    /// `surface` is asked about as many points as B has spheres of A in reach, times
     /// a small constant. Allocates nothing. Returns [`Overlap::default`] where nothing overlaps.
     #[must_use]
     pub fn overlap_with_surface(&self, surface: impl SignedDistance) -> Overlap {
@@ -72,8 +72,6 @@ impl InnerSphereTree {
     /// The overlap of this solid (A) with a solid B of the given signed distance, both in A's frame, as one sample
     /// per ball that B cuts, appended to `samples`. Returns a distance (m) of which all balls that B does not cut are certain
     /// to be away from B; infinite where it cuts all.
-    ///
-    /// `surface` must be 1-Lipschitz, as distances are.
     pub fn contact_samples_with(
         &self,
         mut surface: impl SignedDistance,

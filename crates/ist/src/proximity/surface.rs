@@ -42,7 +42,7 @@ impl SurfaceGap {
 impl InnerSphereTree {
     /// The ball with the least signed distance from a solid, of those nearer than `max_gap` (m).
     ///
-    /// `surface` gives the solid's signed distance in the tree's frame and must be 1-Lipschitz, as distances are. `None` where
+    /// `surface` gives the solid's signed distance in the tree's frame. `None` where
     /// no ball is that near, where `max_gap` is NaN, and where distances are. Expected time is logarithmic in the number
     /// of spheres; linear for a surface that is equally far from all. Allocates nothing.
     #[must_use]

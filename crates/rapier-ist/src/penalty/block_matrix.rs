@@ -1,4 +1,5 @@
-//! Sparse symmetric matrices of 6×6 blocks, and symmetric Gauss–Seidel as their preconditioner.
+//! Sparse symmetric matrices of 6×6 blocks, and symmetric Gauss–Seidel as their preconditioner: Y. Saad, *Iterative Methods for
+//! Sparse Linear Systems* (2003), section 10.2.
 
 use super::block::Block;
 

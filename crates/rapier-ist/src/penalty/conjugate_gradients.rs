@@ -1,4 +1,5 @@
-//! Preconditioned conjugate gradients on block matrices.
+//! Preconditioned conjugate gradients on block matrices: Y. Saad, *Iterative Methods for Sparse Linear Systems* (2003),
+//! section 9.2.
 
 use super::block_matrix::BlockMatrix;
 

@@ -17,7 +17,7 @@ use rapier3d::glamx::{DMat3, DVec3};
 /// after. Softer ones rebound over several steps by their dissipation.
 const STOPS_WITHIN_A_STEP: f64 = 0.5;
 
-/// Share of the lighter body's load below which a force is small.
+/// Share of the lighter body's load below which a force is small. Not tuned.
 const SMALL_SHARE: f64 = 0.1;
 
 /// Contact samples between bodies `a` and `b` and the wrench they exert, linearised in the final velocity.

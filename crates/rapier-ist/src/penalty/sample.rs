@@ -158,8 +158,8 @@ mod tests {
     }
 
     proptest! {
-        /// A pile of a hundred gears burst within a step: one sample had a damping of −190 N·s/m. And bodies went 4 cm into others
-        /// without a force where they arrived faster than the dissipation was made for.
+        /// A pile of a hundred gears burst within a step: one sample had a damping of −190 N·s/m. And a gear went 2 cm into a nut
+        /// without a force, as it arrived faster than the dissipation was made for.
         #[test]
         fn issue_faster_approach_never_takes_force_away(
             (rate, moved, dissipation) in (1e-2_f64..1e3, -5.0_f64..5.0, -50.0_f64..50.0), u in -50.0_f64..50.0,
