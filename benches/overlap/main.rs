@@ -5,6 +5,7 @@
 //! are the shortest. The tables after them time single queries at all poses,
 //! see [`stopwatch`], and put the errors against exact mesh booleans beside the times.
 
+mod boolean;
 mod engine;
 mod pair;
 mod peers;
@@ -12,10 +13,12 @@ mod spheres;
 mod stopwatch;
 mod table;
 
+use boolean::MeshBoolean;
 use criterion::{Criterion, SamplingMode, Throughput};
 use engine::Engine;
 use pair::{BANDS, MeshPair, NAMES};
 use peers::Peer;
+use rapier3d::prelude::TriMeshFlags;
 use spheres::{BruteForce, Spheres};
 use std::error::Error;
 use std::hint::black_box;
@@ -70,12 +73,17 @@ fn engines(pair: &MeshPair) -> Result<Vec<Box<dyn Engine>>, Box<dyn Error>> {
         engines.push(Box::new(BruteForce::new(pair, spheres)?));
     }
     engines.push(Box::new(Peer::convex_parts(pair)));
-    engines.push(Box::new(Peer::triangles(pair, 1)?));
+    let fixed = TriMeshFlags::FIX_INTERNAL_EDGES;
+    engines.push(Box::new(Peer::triangles(pair, 1, TriMeshFlags::empty())?));
+    engines.push(Box::new(Peer::triangles(pair, 1, fixed)?));
     if pair.triangles() < FEW_TRIANGLES {
-        engines.push(Box::new(Peer::triangles(pair, 3)?));
+        engines.push(Box::new(Peer::triangles(pair, 3, fixed)?));
     }
     engines.push(Box::new(Peer::voxels(pair)));
-    engines.push(Box::new(Peer::balls(pair)?));
+    for balls in [256, 1_024] {
+        engines.push(Box::new(Peer::balls(pair, balls)?));
+    }
+    engines.push(Box::new(MeshBoolean::new(pair)?));
     Ok(engines)
 }
 

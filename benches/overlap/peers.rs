@@ -18,9 +18,8 @@ use std::collections::HashMap;
 use std::error::Error;
 use std::time::Instant;
 
-/// Balls of the ball compound, of a packing of [`PACKED`].
-const BALLS: usize = 256;
-const PACKED: usize = 1_000;
+/// Balls of the packing that the ball compounds are made of.
+const PACKED: usize = 3_000;
 /// Voxels along the longest side.
 const VOXELS: f32 = 32.0;
 /// Distance up to which bodies that are apart get contacts (m).
@@ -46,17 +45,21 @@ impl Peer {
         Self::new(&format!("VHACD compound, {} / {} parts", parts[0], parts[1]), shapes, start)
     }
 
-    /// The hollow mesh, with internal edges mended, its edges cut into `parts` first.
-    pub(crate) fn triangles(pair: &MeshPair, parts: u32) -> Result<Self, Box<dyn Error>> {
+    /// The hollow mesh, its edges cut into `parts` first; with `FIX_INTERNAL_EDGES` contacts keep to the outer side of faces.
+    pub(crate) fn triangles(
+        pair: &MeshPair,
+        parts: u32,
+        flags: TriMeshFlags,
+    ) -> Result<Self, Box<dyn Error>> {
         let start = Instant::now();
         let shape = |side| {
             let (vertices, triangles) = subdivided(mesh(pair, side), parts);
-            SharedShape::trimesh_with_flags(vertices, triangles, TriMeshFlags::FIX_INTERNAL_EDGES)
+            SharedShape::trimesh_with_flags(vertices, triangles, flags)
         };
         let shapes = [shape(0)?, shape(1)?];
         let counts = shapes.each_ref().map(|shape| shape.as_trimesh().map_or(0, TriMesh::num_triangles));
-        let name = format!("TriMesh, FIX_INTERNAL_EDGES, {} / {} triangles", counts[0], counts[1]);
-        Ok(Self::new(&name, shapes, start))
+        let kind = if flags.is_empty() { "TriMesh" } else { "TriMesh, FIX_INTERNAL_EDGES" };
+        Ok(Self::new(&format!("{kind}, {} / {} triangles", counts[0], counts[1]), shapes, start))
     }
 
     /// Filled voxels, 32 along the longest side.
@@ -73,22 +76,22 @@ impl Peer {
         Self::new("Voxels, 1/32", shapes, start)
     }
 
-    /// The largest inner balls of a packing, as a compound. Unlike fitted balls they do not stick out of the mesh.
-    pub(crate) fn balls(pair: &MeshPair) -> Result<Self, Box<dyn Error>> {
+    /// The `count` largest inner balls of a packing, as a compound. Unlike fitted balls they do not stick out of the mesh.
+    pub(crate) fn balls(pair: &MeshPair, count: usize) -> Result<Self, Box<dyn Error>> {
         let packed = pair.packed(PACKED)?;
         let start = Instant::now();
         let [a, b] = &packed.packings;
         let compound = |packing: &ist::SpherePacking, scale: f32| {
             let mut spheres = packing.spheres().to_vec();
             spheres.sort_by(|a, b| b.radius.total_cmp(&a.radius));
-            spheres.truncate(BALLS);
+            spheres.truncate(count);
             let ball = |s: &ist::InnerSphere| {
                 (Pose3::from_translation(s.center * scale), SharedShape::ball(s.radius * scale))
             };
             SharedShape::compound(spheres.iter().map(ball).collect())
         };
         let shapes = [compound(a, 1.0), compound(b, pair.scale_b)];
-        let mut peer = Self::new(&format!("{BALLS} largest inner balls, compound"), shapes, start);
+        let mut peer = Self::new(&format!("{count} largest inner balls, compound"), shapes, start);
         peer.build_seconds += packed.seconds;
         Ok(peer)
     }

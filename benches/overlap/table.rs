@@ -11,7 +11,7 @@ const YARDSTICK: &str = "tree, 1000 spheres";
 /// Least ratios to the yardstick that the project aims at.
 const GOALS: [(&str, f64, &[Band]); 2] = [
     ("parry VHACD", 8.0, &[Band::Shallow, Band::Mid, Band::Deep]),
-    ("parry TriMesh", 200.0, &[Band::Mid, Band::Deep]),
+    ("parry TriMesh, FIX", 200.0, &[Band::Mid, Band::Deep]),
 ];
 /// Most nanoseconds per overlapping pair of spheres in deep overlap that the project aims at.
 const PAIR_GOAL: f64 = 20.0;
