@@ -39,6 +39,7 @@
 //! Without `std` the crate needs `alloc`, and queries use the instruction set that it is compiled for instead of the best
 //! that the processor has.
 #![cfg_attr(not(feature = "std"), no_std)]
+#![cfg_attr(docsrs, feature(doc_cfg))]
 
 extern crate alloc;
 

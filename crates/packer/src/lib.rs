@@ -30,6 +30,7 @@
 //! - `cli` (default): the program `packer`. Libraries that pack at load time turn it off.
 //! - `export`: the module of that name; part of `cli`.
 //! - `serde-serialize`: [`PackReport`] and all in it implement serde's `Serialize`; part of `cli`.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod error;
 #[cfg(feature = "export")]

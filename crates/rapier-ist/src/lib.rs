@@ -35,6 +35,7 @@
 //! - `packer`: `IstShape::from_mesh`.
 //! - `debug-render`: as Rapier's feature of that name, and `debug_render`, outlines of the spheres.
 //! - `parallel`, `enhanced-determinism`, `serde-serialize`: as Rapier's features of these names.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod against_shape;
 mod arrival;
@@ -86,8 +87,3 @@ pub use report::{ContactState, PairContact, PatchContact, StepReport};
 pub use shape::IstShape;
 pub use stiffness::StiffnessContext;
 pub use world_parts::WorldParts;
-
-// The README's code, compiled with the tests.
-#[cfg(doctest)]
-#[doc = include_str!("../../../README.md")]
-struct Readme;
