@@ -12,3 +12,21 @@ struct ReadmeOfPacker;
 
 #[doc = include_str!("../../crates/rapier-ist/README.md")]
 struct ReadmeOfPlugin;
+
+#[doc = include_str!("../../docs/guide/quick-start.md")]
+struct QuickStart;
+
+#[doc = include_str!("../../docs/guide/sphere-counts.md")]
+struct SphereCounts;
+
+#[doc = include_str!("../../docs/guide/materials.md")]
+struct Materials;
+
+#[doc = include_str!("../../docs/guide/migrating.md")]
+struct Migrating;
+
+#[doc = include_str!("../../docs/guide/recordings.md")]
+struct Recordings;
+
+#[doc = include_str!("../../docs/guide/baking.md")]
+struct Baking;
