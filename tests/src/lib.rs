@@ -1,5 +1,8 @@
 //! Shared by the project's tests: exact overlaps to compare with, and a small scene to record.
 
+#[cfg(doctest)]
+mod documents;
+
 use anyhow::{Context, Result};
 use glam::{Quat, Vec3};
 use glamx::Pose3;

@@ -30,11 +30,62 @@
 //! combine rules, contact skin, groups and sensors; hooks and events go through [`IstPlugin::step_with_events`].
 //! [`ContactModel::VolumeManifold`] hands the same overlap to Rapier's own solver instead.
 //!
+//! # A tour
+//!
+//! **Shapes** come from packings, see the crate `rapier-ist-packer`: `IstShape::from_file` for files, `IstShape::from_mesh` with the
+//! feature `packer`. Cloning and scaling share the tree.
+//!
+//! **Settings and reports** are the plugin's. All may change between steps.
+//!
+//! ```
+//! use ist::{InnerSphere, SolidProperties, SpherePacking};
+//! use rapier_ist::{ContactModel, IstPlugin, IstShape, Stiffness, VolumePenalty};
+//! use rapier3d::prelude::*;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let sphere = InnerSphere::solid_ball(Vector::ZERO, 0.1, Vector::Y);
+//! let shape = IstShape::from_packing(&SpherePacking::new(vec![sphere], SolidProperties::ball(0.1))?);
+//! let large = shape.scaled(2.0).ok_or("a size is positive and finite")?;
+//!
+//! let mut world = PhysicsWorld::new();
+//! let mut plugin = IstPlugin::install(&mut world);
+//! plugin.substeps = 2;
+//! plugin.model = ContactModel::VolumePenalty(VolumePenalty {
+//!     stiffness: Stiffness::Uniform(1e6), // N/m³
+//!     ..VolumePenalty::default()
+//! });
+//!
+//! // Rapier's own shapes take part; materials are those of the colliders.
+//! let (_, floor) = world.insert(RigidBodyBuilder::fixed(), ColliderBuilder::cuboid(5.0, 0.1, 5.0).friction(0.5));
+//! let start = RigidBodyBuilder::dynamic().translation(0.5 * Vector::Y).can_sleep(false);
+//! let (body, ball) = world.insert(start, large.into_collider().density(500.0).restitution(0.2));
+//! // A soft floor: one stiffness for a collider instead of the model's.
+//! plugin.set_collider_stiffness(floor, Some(1e5));
+//! for _ in 0..240 {
+//!     plugin.step(&mut world);
+//! }
+//!
+//! // What carries the ball: a force in proportion to the overlap volume.
+//! let contact = plugin.report().contact(floor, ball).ok_or("it has not landed")?;
+//! let weight = 9.81 * world.bodies[body].mass();
+//! assert!((contact.force.length() - weight).abs() < 0.02 * weight);
+//! assert!((1e5 * contact.volume - weight).abs() < 0.02 * weight);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! **Worlds that are kept apart**: [`WorldParts`] stands for a `PhysicsWorld` where the sets are somebody else's, as a game engine's.
+//! Hooks and event handlers go through [`IstPlugin::step_with_events`].
+//!
+//! **Records of a run** are MCAP files: the modules `record` and `replay` (feature `mcap`). The module `snapshot` (feature
+//! `serde-serialize`) saves and restores worlds, `debug_render` (feature `debug-render`) draws the spheres.
+//!
 //! # Features
 //! - `mcap`: `record`, trajectories in MCAP files with Foxglove's schemas, and `replay`, which reads them back.
 //! - `packer`: `IstShape::from_mesh`.
 //! - `debug-render`: as Rapier's feature of that name, and `debug_render`, outlines of the spheres.
 //! - `parallel`, `enhanced-determinism`, `serde-serialize`: as Rapier's features of these names.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod against_shape;
 mod arrival;
@@ -86,8 +137,3 @@ pub use report::{ContactState, PairContact, PatchContact, StepReport};
 pub use shape::IstShape;
 pub use stiffness::StiffnessContext;
 pub use world_parts::WorldParts;
-
-// The README's code, compiled with the tests.
-#[cfg(doctest)]
-#[doc = include_str!("../../../README.md")]
-struct Readme;

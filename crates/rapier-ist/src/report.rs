@@ -5,6 +5,7 @@ use rapier3d::math::{Real, Vector};
 
 /// All volume contacts of one step; with [`crate::IstPlugin::substeps`], of its last substep.
 #[derive(Clone, Debug, Default)]
+#[non_exhaustive]
 pub struct StepReport {
     /// One entry per pair of colliders that overlap, sorted by handles.
     pub contacts: Vec<PairContact>,
@@ -40,6 +41,7 @@ pub enum ContactState {
 
 /// Contact between two overlapping colliders at the start of a step, world frame.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct PairContact {
     /// The collider with the smaller handle.
     pub collider_a: ColliderHandle,
@@ -63,6 +65,7 @@ pub struct PairContact {
 
 /// The part of a contact that pushes in about the same direction, world frame.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct PatchContact {
     /// Index of its pair in [`StepReport::contacts`].
     pub pair: usize,

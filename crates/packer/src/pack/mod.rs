@@ -42,6 +42,7 @@ use stop_signal::Watch;
 
 /// A packing and what there is to say about it.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Packed {
     /// The spheres.
     pub packing: SpherePacking,

@@ -134,7 +134,7 @@ impl Solid {
     /// The surface point nearest to `p`, if there is one closer than `bound` (m); the smaller the bound, the
     /// faster the answer.
     #[must_use]
-    pub fn closest_point_within(&self, p: DVec3, bound: f64) -> Option<SurfacePoint> {
+    pub(crate) fn closest_point_within(&self, p: DVec3, bound: f64) -> Option<SurfacePoint> {
         let nearest = self.surface.bvh.nearest(p, bound * bound)?;
         let depth = nearest.distance_squared.sqrt();
         let depth = if self.is_outside(p, &nearest) { -depth } else { depth };

@@ -47,6 +47,7 @@ pub struct Recorder<W: Write + Seek> {
 
 /// What a finished recording holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct RecordStatistics {
     /// Steps seen, recorded or skipped by [`RecordOptions::every`].
     pub steps: u64,

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 /// A recorded body.
 #[derive(Clone, Debug, Default)]
+#[non_exhaustive]
 pub struct ReplayBody {
     /// Its name, which is also that of its frame: no other body of the recording has it.
     pub name: String,
@@ -19,6 +20,7 @@ pub struct ReplayBody {
 
 /// Triangles in the frame of a body.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct ReplayMesh {
     /// Positions of the vertices (m), all finite.
     pub vertices: Vec<Vector>,
@@ -30,6 +32,7 @@ pub struct ReplayMesh {
 
 /// The packing of a body.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct ReplayPacking {
     /// The packing itself; bodies that were described with equal ones share it.
     pub packing: Arc<SpherePacking>,

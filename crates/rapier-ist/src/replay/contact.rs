@@ -6,6 +6,7 @@ use rapier3d::math::Vector;
 
 /// Contact between two overlapping bodies, world frame.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct ReplayContact {
     /// Places of the bodies in [`super::Replay::bodies`]; `None` for one that was not described.
     pub bodies: [Option<usize>; 2],
@@ -27,6 +28,7 @@ pub struct ReplayContact {
 
 /// The part of a contact that pushes in about the same direction, world frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct ReplayPatch {
     /// Overlap volume (m³).
     pub volume: f32,
@@ -44,6 +46,7 @@ pub struct ReplayPatch {
 
 /// Sums over the world after a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct ReplayMetrics {
     /// Number of the step, counted from 1.
     pub step: u64,
@@ -65,6 +68,7 @@ pub struct ReplayMetrics {
 
 /// Wall times of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct ReplayTimings {
     /// Of the overlap queries (s).
     pub query_seconds: f64,

@@ -25,6 +25,7 @@ pub struct Replay {
 
 /// A line of the recording's log.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct LogLine {
     /// Since the start (s).
     pub time: f64,

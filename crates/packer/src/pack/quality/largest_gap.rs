@@ -22,6 +22,7 @@ const FALL: f64 = 0.9;
 /// Room for one more ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde-serialize", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct LargestGap {
     /// Where its centre would be (m).
     pub center: DVec3,

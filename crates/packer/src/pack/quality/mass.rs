@@ -8,6 +8,7 @@ use ist::InnerSphere;
 /// How far a solid made of balls is off in its mass properties.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde-serialize", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct MassError {
     /// Distance between the centres of mass (m).
     pub centroid: f64,

@@ -70,6 +70,7 @@ pub struct Quality {
 /// How far the surface is from the nearest inner ball, measured at points spread evenly over it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde-serialize", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct SurfaceGap {
     /// Number of points.
     pub samples: usize,

@@ -6,6 +6,7 @@ use std::f64::consts::{PI, SQRT_2};
 /// Balls of about one size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde-serialize", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct RadiusBin {
     /// No radius in the bin is as small as this (m).
     pub above: f64,
