@@ -81,7 +81,7 @@
 //! # }
 //! ```
 //!
-//! [`Packed::report`] has a [`Quality`] unless [`PackOptions::measure_quality`] says no: mean and greatest distance of the surface
+//! [`Packed::report`] has a [`Quality`] unless `PackOptions::measure_quality` says no: mean and greatest distance of the surface
 //! from the balls, the largest ball that would still fit, mass properties of the balls, the share of the volume that they put in
 //! the wrong place.
 //!
