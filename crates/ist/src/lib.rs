@@ -36,6 +36,11 @@
 //! - `std` (default): file access, queries within a budget.
 //! - `parallel`: grids and batches on all cores.
 //!
+//! # Determinism
+//! Results have the same bits on every processor, whatever instruction set it has and the crate was compiled for, and on any
+//! number of threads; but not queries with a budget of time. Products and sums are never fused, sums have a fixed order, and sine,
+//! cosine and cube root do not come from the platform.
+//!
 //! Without `std` the crate needs `alloc`, and queries use the instruction set that it is compiled for instead of the best
 //! that the processor has.
 #![cfg_attr(not(feature = "std"), no_std)]
@@ -50,6 +55,7 @@ mod packing;
 mod patches;
 mod proximity;
 pub mod reference;
+mod rotation;
 mod signed_distance;
 mod simd_level;
 mod solid;

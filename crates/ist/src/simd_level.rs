@@ -22,8 +22,8 @@ mod tests {
     use crate::overlap::tests::random_pose;
     use crate::tree::tests::random_packing;
     use crate::{
-        BallKind, DistanceOptions, Engine, InnerSphereTree, OverlapCache, OverlapQuery,
-        OverlapWorkspace, ProximityWorkspace, Ray, SpherePacking,
+        BallKind, DistanceOptions, Engine, InnerSphereTree, OverlapCache, OverlapQuery, OverlapWorkspace,
+        ProximityWorkspace, Ray, SpherePacking,
     };
     use alloc::{format, string::String, vec, vec::Vec};
     use core::cell::Cell;

@@ -21,8 +21,14 @@ const THREADS: [usize; 4] = [1, 2, 3, 8];
 /// Checksums of the packings of two meshes.
 const PACKINGS: [(&str, u32); 2] = [("bunny", 0), ("pinion_gear", 0)];
 /// Checksums of what queries find in them, by kind.
-const QUERIES: [(&str, u32); 6] =
-    [("overlap", 0), ("cached overlap", 0), ("samples", 0), ("time-critical", 0), ("proximity", 0), ("impact", 0)];
+const QUERIES: [(&str, u32); 6] = [
+    ("overlap", 0),
+    ("cached overlap", 0),
+    ("samples", 0),
+    ("time-critical", 0),
+    ("proximity", 0),
+    ("impact", 0),
+];
 
 /// Of the figures as text, which tells any two numbers apart.
 fn checksum(results: &impl Debug) -> u32 {
@@ -79,7 +85,8 @@ fn poses([a, b]: &[InnerSphereTree; 2]) -> Vec<Pose3> {
 /// What every kind of query finds at all poses, in the order of [`QUERIES`].
 fn queries(trees: &[InnerSphereTree; 2], poses: &[Pose3]) -> [u32; 6] {
     let [a, b] = trees;
-    let (overlap_space, proximity_space) = (&mut OverlapWorkspace::default(), &mut ProximityWorkspace::default());
+    let (overlap_space, proximity_space) =
+        (&mut OverlapWorkspace::default(), &mut ProximityWorkspace::default());
     let query = OverlapQuery { stiffness: true, ..OverlapQuery::default() };
     let overlaps: Vec<_> = poses
         .iter()
@@ -90,7 +97,9 @@ fn queries(trees: &[InnerSphereTree; 2], poses: &[Pose3]) -> [u32; 6] {
     let cache = &mut OverlapCache::default();
     let cached: Vec<_> = poses
         .iter()
-        .flat_map(|pose| (0..3).map(|i| Pose3 { translation: pose.translation + Vec3::X * (0.001 * i as f32), ..*pose }))
+        .flat_map(|pose| {
+            (0..3).map(|i| Pose3 { translation: pose.translation + Vec3::X * (0.001 * i as f32), ..*pose })
+        })
         .map(|pose| a.overlap_cached(b, &pose, query, (cache, overlap_space)))
         .collect();
     let mut samples = Vec::new();
@@ -146,10 +155,13 @@ fn queries(trees: &[InnerSphereTree; 2], poses: &[Pose3]) -> [u32; 6] {
 #[test]
 fn packings_are_the_same_everywhere() {
     let found = PACKINGS.map(|(name, _)| {
-        (name, on_any_number_of_threads(|| {
-            let packing = packing(name);
-            checksum(&(packing.spheres(), packing.solid()))
-        }))
+        (
+            name,
+            on_any_number_of_threads(|| {
+                let packing = packing(name);
+                checksum(&(packing.spheres(), packing.solid()))
+            }),
+        )
     });
     assert_eq!(found, PACKINGS);
 }
