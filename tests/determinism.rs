@@ -18,7 +18,7 @@ const CHECKSUM: u32 = 0;
 fn checksum(threads: usize) -> u32 {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     pool.install(|| {
-        let options = PileOptions { bodies: 20, spheres: 100, ..PileOptions::default() };
+        let options = PileOptions { bodies: 20, spheres: 60, ..PileOptions::default() };
         let mut pile = Pile::new(&options, |_| ()).unwrap();
         let mut hasher = crc32fast::Hasher::new();
         for step in 1..=STEPS {

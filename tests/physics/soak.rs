@@ -4,11 +4,11 @@ use rapier_ist_examples::run::{Check, Soak, soak};
 use rapier_ist_examples::scenes::{PileOptions, SoakedChain, SoakedPile};
 
 /// Too short to be compared with itself.
-const SECONDS: f64 = 16.0;
+const SECONDS: f64 = 12.0;
 
 fn assert_sound(scene: &mut (impl Soak + Send), least_changes: usize) {
     let (figures, checks) = soak(scene, SECONDS).unwrap();
-    assert_eq!(figures.steps, 960);
+    assert_eq!(figures.steps, 720);
     assert!(figures.changes >= least_changes, "{} changes", figures.changes);
     assert!(figures.remembered_by_tenth.iter().all(|&entries| entries > 0));
     let failed: Vec<&Check> = checks.iter().filter(|check| !check.passed).collect();
@@ -18,13 +18,11 @@ fn assert_sound(scene: &mut (impl Soak + Send), least_changes: usize) {
 
 #[test]
 fn a_pile_to_which_bodies_come_and_from_which_they_go_loses_none() {
-    for seed in [1, 2] {
-        let options = PileOptions { bodies: 12, spheres: 100, ..PileOptions::default() };
-        assert_sound(&mut SoakedPile::new(&options, seed, |_| ()).unwrap(), 4);
-    }
+    let options = PileOptions { bodies: 10, spheres: 100, ..PileOptions::default() };
+    assert_sound(&mut SoakedPile::new(&options, 1, |_| ()).unwrap(), 3);
 }
 
 #[test]
 fn a_chain_that_is_pushed_again_and_again_stays_linked() {
-    assert_sound(&mut SoakedChain::new(300, 1).unwrap(), 2);
+    assert_sound(&mut SoakedChain::new(150, 1).unwrap(), 2);
 }

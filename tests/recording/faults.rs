@@ -8,9 +8,12 @@ use rapier_ist_tests::small_pile;
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_device_is_named_with_what_to_do_and_the_run_goes_on() {
+    let mut undisturbed = small_pile().unwrap();
+    for _ in 0..30 {
+        undisturbed.step();
+    }
     for background in [false, true] {
         let mut pile = small_pile().unwrap();
-        let mut undisturbed = small_pile().unwrap();
         let options = RecordOptions::everything().chunk_size(5000).background(background);
         let mut errors = Vec::new();
         match Recorder::create("/dev/full", options) {
@@ -19,7 +22,6 @@ fn a_full_device_is_named_with_what_to_do_and_the_run_goes_on() {
                 errors.extend(recorder.record_start(&pile.world).err().map(|error| error.to_string()));
                 for _ in 0..30 {
                     pile.step();
-                    undisturbed.step();
                     let recorded = recorder.record(&pile.world, pile.plugin.report());
                     errors.extend(recorded.err().map(|error| error.to_string()));
                 }
