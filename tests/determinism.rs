@@ -1,7 +1,6 @@
-//! The pile comes out the same on any number of threads and, with feature `enhanced-determinism`, whatever it was compiled
-//! for.
+//! The pile comes out the same on any number of threads.
 //!
-//! `tests/determinism.sh` compiles this test with other flags. Packings and queries are held to the same, without the
+//! `tests/determinism.sh pile` compiles this test with other flags and compares the checksums that it prints. Packings and queries are held to the same, without the
 //! feature, by `crates/packer/tests/determinism.rs`.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
@@ -10,11 +9,7 @@ use rapier_ist_examples::scenes::{Pile, PileOptions};
 const THREADS: [usize; 4] = [1, 2, 3, 8];
 const STEPS: usize = 600;
 
-/// Checksum of the poses and velocities after every tenth step. Where a change of an algorithm is meant to change results, it is
-/// replaced by the one that the failing test prints.
-#[cfg(feature = "enhanced-determinism")]
-const CHECKSUM: u32 = 0;
-
+/// Of the poses and velocities after every tenth step.
 fn checksum(threads: usize) -> u32 {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     pool.install(|| {
@@ -42,7 +37,5 @@ fn checksum(threads: usize) -> u32 {
 fn piles_are_the_same_on_any_number_of_threads() {
     let [first, others @ ..] = THREADS.map(checksum);
     assert_eq!(others, [first; 3]);
-    println!("{first:#010x}");
-    #[cfg(feature = "enhanced-determinism")]
-    assert_eq!(first, CHECKSUM, "{first:#010x}");
+    println!("checksum of the pile {first:#010x}");
 }

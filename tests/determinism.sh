@@ -3,7 +3,7 @@
 #
 #     tests/determinism.sh short   packings and queries, one build: as far from that of `cargo test` as flags go
 #     tests/determinism.sh core    packings and queries: generic, x86-64-v3 and this processor, optimisation levels 1 to 3
-#     tests/determinism.sh pile    the pile with feature enhanced-determinism: four builds of everything
+#     tests/determinism.sh pile    the pile with feature enhanced-determinism: four builds of everything, compared
 #
 # Builds go to target/determinism. Extra arguments go to cargo, for example `--offline`.
 set -euo pipefail
@@ -31,7 +31,7 @@ with() {
 }
 
 core=(-p rapier-ist-packer --no-default-features --test determinism)
-pile=(-p rapier-ist-tests --features enhanced-determinism --test determinism)
+pile=(-p rapier-ist-tests --features enhanced-determinism --test determinism -- --nocapture)
 
 case $which in
     short)
@@ -45,10 +45,17 @@ case $which in
         done
         ;;
     pile)
-        with generic 1 "${pile[@]}"
-        with generic 3 "${pile[@]}"
-        with x86-64-v3 2 "${pile[@]}"
-        with native 3 "${pile[@]}"
+        log=$(mktemp)
+        trap 'rm -f "$log"' EXIT
+        for build in "generic 1" "generic 3" "x86-64-v3 2" "native 3"; do
+            read -r processor level <<<"$build"
+            with "$processor" "$level" "${pile[@]}" | tee -a "$log"
+        done
+        checksums=$(grep -o 'checksum of the pile 0x[0-9a-f]*' "$log" | sort -u)
+        if [[ $(wc -l <<<"$checksums") != 1 ]]; then
+            echo "the builds differ: $checksums" >&2
+            exit 1
+        fi
         ;;
     *)
         echo "unknown part '$which'; short, core or pile" >&2

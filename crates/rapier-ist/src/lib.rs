@@ -41,11 +41,10 @@
 //! Equal worlds that are stepped equally stay equal bit for bit, on any number of threads: for one binary on one machine, without
 //! any feature. Queries and packings are the same on every processor, instruction set and optimisation level.
 //!
-//! Steps are so with `enhanced-determinism`. What differs without it are sine and cosine, which come from the platform, and sums
-//! over the components of quaternions, whose order depends on the processor's vectors, in Rapier as in this crate.
-//! COST_OF_DETERMINISM
-//! Links of multibodies with more than five degrees of freedom are left out: Rapier multiplies their matrices by a library that fuses
-//! products and sums where the processor can.
+//! Steps are meant to be so with `enhanced-determinism`. What differs without it are sine and cosine, which come from the
+//! platform, and sums over the components of quaternions, whose order depends on the processor's vectors. Links of multibodies
+//! with more than five degrees of freedom are left out: Rapier multiplies their matrices by a library that fuses products and
+//! sums where the processor can.
 
 mod against_shape;
 mod arrival;

@@ -9,6 +9,7 @@ use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rapier_ist::IstPlugin;
+use rapier3d::dynamics::RigidBodyHandle;
 use rapier3d::pipeline::PhysicsWorld;
 
 /// Steps between two pushes, at least and at most: some come while the chain still swings, others when it sleeps.
@@ -31,6 +32,11 @@ pub struct SoakedChain {
     unlinked: usize,
     /// Greatest length of the line through the centres (m).
     longest: f32,
+    /// Greatest speed of a ring as long as all were linked (m/s).
+    fastest: f32,
+    steps: usize,
+    /// When a link was first found apart (s).
+    parted: Option<f64>,
 }
 
 impl SoakedChain {
@@ -48,6 +54,9 @@ impl SoakedChain {
             pushes: 0,
             unlinked: 0,
             longest: 0.0,
+            fastest: 0.0,
+            steps: 0,
+            parted: None,
         })
     }
 
@@ -82,7 +91,16 @@ impl Simulation for SoakedChain {
         }
         self.pause -= 1;
         self.chain.plugin.step(&mut self.chain.world);
-        self.unlinked += self.chain.lost_links();
+        self.steps += 1;
+        let lost = self.chain.lost_links();
+        self.unlinked += lost;
+        if lost > 0 && self.parted.is_none() {
+            self.parted = Some(self.steps as f64 * f64::from(self.chain.world.integration_parameters.dt));
+        }
+        if self.parted.is_none() {
+            let speed = |ring: &RigidBodyHandle| self.chain.world.bodies[*ring].linvel().length();
+            self.fastest = self.chain.rings.iter().map(speed).fold(self.fastest, f32::max);
+        }
         self.longest = self.longest.max(self.chain.length());
     }
 
@@ -93,10 +111,13 @@ impl Simulation for SoakedChain {
     fn checks(&self, _: &Summary) -> Vec<Check> {
         let taut = Chain::pitch() * RINGS as f32;
         let stretch = 100.0 * f64::from(self.longest / taut - 1.0);
-        vec![
+        let parted = self.parted.map(|time| Check::new("first lost link", time, "s", Wanted::Reported));
+        let checks = [
             Check::new("lost links, over all steps", self.unlinked as f64, "", Wanted::AtMost(0.0)),
             Check::new("greatest stretch", stretch, "%", Wanted::AtMost(MOST_STRETCH)),
-        ]
+            Check::new("greatest speed", f64::from(self.fastest), "m/s", Wanted::Reported),
+        ];
+        checks.into_iter().chain(parted).collect()
     }
 
     fn lost(&self) -> usize {
