@@ -37,9 +37,8 @@
 //! - `parallel`: grids and batches on all cores.
 //!
 //! # Determinism
-//! Results have the same bits on every processor, whatever instruction set it has and the crate was compiled for, and on any
-//! number of threads; but not queries with a budget of time. Products and sums are never fused, sums have a fixed order, and sine,
-//! cosine and cube root do not come from the platform.
+//! Results have the same bits on any number of threads and on every instruction set that a binary finds at run time; but not
+//! queries with a budget of time. Binaries that were compiled for other processors may differ.
 //!
 //! Without `std` the crate needs `alloc`, and queries use the instruction set that it is compiled for instead of the best
 //! that the processor has.

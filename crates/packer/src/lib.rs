@@ -15,7 +15,7 @@
 //! - [`Solid::new`] mends what can be mended, refuses what has no inside and says why.
 //! - [`pack()`] places the balls. Every ball lies inside the mesh and apart from all others, as exported in
 //!   single precision; the cells tile the solid; a larger packing begins with the smaller one; and the
-//!   result is the same bit by bit on every processor and for any number of threads.
+//!   result is the same bit by bit for any number of threads.
 //! - [`PackOptions`] says when to stop: count, coverage, least radius, volume error, time. [`pack_interruptible`] can
 //!   be ended by another thread.
 //! - [`Quality`] has the figures of a finished packing: what the balls leave out, and where.

@@ -39,7 +39,7 @@
 //!
 //! # Determinism
 //! Equal worlds that are stepped equally stay equal bit for bit, on any number of threads: for one binary on one machine, without
-//! any feature. Queries and packings are the same on every processor, instruction set and optimisation level.
+//! any feature. Queries of one binary are the same on every instruction set that it finds.
 //!
 //! Steps are meant to be so with `enhanced-determinism`. What differs without it are sine and cosine, which come from the
 //! platform, and sums over the components of quaternions, whose order depends on the processor's vectors. Links of multibodies
