@@ -1,8 +1,9 @@
 //! Bodies of mixed shape and size fall into a bowl.
 
 use clap::Parser;
-use rapier_ist_examples::run::{self, Defaults, RunArguments};
-use rapier_ist_examples::scenes::{Pile, PileOptions, ShapeKind};
+use rapier_ist_examples::output::exit_code;
+use rapier_ist_examples::run::{self, Defaults, RunArguments, SoakArguments};
+use rapier_ist_examples::scenes::{Pile, PileOptions, ShapeKind, SoakedPile};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -11,7 +12,8 @@ use std::process::ExitCode;
 #[command(after_help = "Examples:
   pile                                       40 bodies, 10 seconds; pile.mcap, pile.png
   pile --shape vhacd --summary vhacd.json    the same scene with Rapier's convex decomposition
-  pile --mesh chair.obj --mesh cup.stl       your own meshes")]
+  pile --mesh chair.obj --mesh cup.stl       your own meshes
+  pile --soak 3600 --bodies 25               an hour in which bodies come and go, for leaks and losses")]
 struct Arguments {
     /// Number of bodies.
     #[arg(long, default_value_t = 40)]
@@ -26,25 +28,19 @@ struct Arguments {
     #[arg(long, value_enum, default_value_t)]
     shape: ShapeKind,
     #[command(flatten)]
+    soak: SoakArguments,
+    #[command(flatten)]
     run: RunArguments,
-}
-
-impl AsRef<RunArguments> for Arguments {
-    fn as_ref(&self) -> &RunArguments {
-        &self.run
-    }
 }
 
 fn main() -> ExitCode {
     let defaults = Defaults { steps: "600", spheres: "1000", mcap: "pile.mcap", png: "pile.png" };
-    run::main(&defaults, |arguments: &Arguments, progress| {
-        let options = PileOptions {
-            bodies: arguments.bodies,
-            seed: arguments.seed,
-            spheres: arguments.run.spheres,
-            meshes: arguments.meshes.clone(),
-            shape: arguments.shape,
-        };
-        Pile::new(&options, progress)
+    let Arguments { bodies, seed, meshes, shape, soak, run } = run::parse(&defaults);
+    let options = PileOptions { bodies, seed, spheres: run.spheres, meshes, shape };
+    exit_code(match soak.soak {
+        Some(seconds) => {
+            run::build_and_soak(seconds, &run, |progress| SoakedPile::new(&options, soak.soak_seed, progress))
+        }
+        None => run::build_and_run(&run, |progress| Pile::new(&options, progress)),
     })
 }

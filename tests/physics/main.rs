@@ -10,6 +10,7 @@ mod inside;
 mod pile;
 mod restitution;
 mod slope;
+mod soak;
 mod stack;
 
 use glam::Vec3;

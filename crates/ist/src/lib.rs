@@ -143,6 +143,10 @@
 //! - `std` (default): file access, queries within a budget.
 //! - `parallel`: grids and batches on all cores.
 //!
+//! # Determinism
+//! Results have the same bits on any number of threads and on every instruction set that a binary finds at run time; but not
+//! queries with a budget of time. Binaries that were compiled for other processors may differ.
+//!
 //! Without `std` the crate needs `alloc`, and queries use the instruction set that it is compiled for instead of the best
 //! that the processor has.
 #![cfg_attr(not(feature = "std"), no_std)]
@@ -158,6 +162,7 @@ mod packing;
 mod patches;
 mod proximity;
 pub mod reference;
+mod rotation;
 mod signed_distance;
 mod simd_level;
 mod solid;

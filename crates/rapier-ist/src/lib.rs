@@ -84,7 +84,17 @@
 //! - `mcap`: `record`, trajectories in MCAP files with Foxglove's schemas, and `replay`, which reads them back.
 //! - `packer`: `IstShape::from_mesh`.
 //! - `debug-render`: as Rapier's feature of that name, and `debug_render`, outlines of the spheres.
-//! - `parallel`, `enhanced-determinism`, `serde-serialize`: as Rapier's features of these names.
+//! - `parallel`, `serde-serialize`: as Rapier's features of these names.
+//! - `enhanced-determinism`: as Rapier's feature of that name, see below.
+//!
+//! # Determinism
+//! Equal worlds that are stepped equally stay equal bit for bit, on any number of threads: for one binary on one machine, without
+//! any feature. Queries of one binary are the same on every instruction set that it finds.
+//!
+//! Steps are meant to be so with `enhanced-determinism`. What differs without it are sine and cosine, which come from the
+//! platform, and sums over the components of quaternions, whose order depends on the processor's vectors. Links of multibodies
+//! with more than five degrees of freedom are left out: Rapier multiplies their matrices by a library that fuses products and
+//! sums where the processor can.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod against_shape;
@@ -113,6 +123,7 @@ mod plugin;
 mod query;
 #[cfg(feature = "mcap")]
 pub mod record;
+mod remembered;
 #[cfg(feature = "mcap")]
 pub mod replay;
 mod report;
@@ -133,6 +144,7 @@ pub use dispatcher::IstDispatcher;
 pub use from_mesh::FromMeshError;
 pub use model::{ContactModel, Stiffness, VolumePenalty};
 pub use plugin::IstPlugin;
+pub use remembered::Remembered;
 pub use report::{ContactState, PairContact, PatchContact, StepReport};
 pub use shape::IstShape;
 pub use stiffness::StiffnessContext;

@@ -33,6 +33,10 @@ pub(crate) fn tree_of(mesh: &TriMesh) -> Option<Arc<TriangleTree>> {
 pub(crate) struct NearbyMeshes(BTreeMap<usize, u32>);
 
 impl NearbyMeshes {
+    pub(crate) fn len(&self) -> usize {
+        self.0.len()
+    }
+
     /// Counts a step with these shapes near bodies. Has trees made, in the background, and forgets those of meshes that nobody
     /// else has any more.
     pub(crate) fn update<'a>(&mut self, shapes: impl Iterator<Item = &'a SharedShape>) {

@@ -11,7 +11,10 @@ use crate::response::respond;
 use crate::stiffness::StiffnessTable;
 use crate::touching::Touching;
 use crate::user_forces::{BodyForce, UserForces};
-use crate::{ContactModel, IstDispatcher, IstShape, StepReport, StiffnessContext, VolumePenalty, WorldParts};
+use crate::{
+    ContactModel, IstDispatcher, IstShape, Remembered, StepReport, StiffnessContext, VolumePenalty,
+    WorldParts,
+};
 use ist::{InnerSphere, SolidProperties, SpherePacking};
 use rapier3d::dynamics::IntegrationParameters;
 use rapier3d::geometry::{ColliderHandle, NarrowPhase};
@@ -167,6 +170,17 @@ impl IstPlugin {
     #[must_use]
     pub fn report(&self) -> &StepReport {
         &self.report
+    }
+
+    /// How much the plugin remembers, for those who watch a world that runs for long.
+    #[must_use]
+    pub fn remembered(&self) -> Remembered {
+        Remembered {
+            pairs: self.memory.len(),
+            touching: self.touching.len(),
+            stiffnesses: self.stiffness.len(),
+            meshes: self.meshes.len(),
+        }
     }
 
     /// Gives a collider a stiffness (N/m³) of its own, or takes it away with `None`.

@@ -39,6 +39,11 @@ pub(crate) struct StiffnessTable {
 }
 
 impl StiffnessTable {
+    /// Colliders that have one of their own.
+    pub(crate) fn len(&self) -> usize {
+        self.colliders.len()
+    }
+
     pub(crate) fn set_collider(&mut self, collider: ColliderHandle, stiffness: Option<Real>) {
         match stiffness {
             Some(stiffness) => self.colliders.insert(collider, valid(stiffness)),

@@ -9,6 +9,10 @@ use rapier3d::geometry::ColliderHandle;
 pub(crate) struct Touching(Vec<[ColliderHandle; 2]>);
 
 impl Touching {
+    pub(crate) fn len(&self) -> usize {
+        self.0.len()
+    }
+
     /// Compares the contacts of `report` with those of the step before, and writes there which are new and which
     /// have stopped.
     ///

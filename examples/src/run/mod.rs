@@ -32,13 +32,16 @@
 mod arguments;
 mod check;
 mod picture;
+mod resident;
 mod simulation;
+mod soak;
 mod stepping;
 
 pub use arguments::{Defaults, RunArguments, parse};
 pub use check::{Check, Verdict, Wanted, report, verdict};
 pub use picture::draw;
 pub use simulation::{Body, Simulation, View};
+pub use soak::{Soak, SoakArguments, SoakFigures, build_and_soak, soak};
 pub use stepping::simulate;
 
 use crate::figures::Summary;
@@ -59,13 +62,19 @@ where
     S: Simulation,
 {
     let arguments: A = parse(defaults);
-    let run_all = || {
-        let run_arguments = arguments.as_ref();
-        run_arguments.check()?;
-        let mut simulation = with_spinner(|progress| build(&arguments, progress))?;
-        run(&mut simulation, run_arguments)
-    };
-    exit_code(run_all())
+    exit_code(build_and_run(arguments.as_ref(), |progress| build(&arguments, progress)))
+}
+
+/// As [`main`], for an example that has read its arguments.
+///
+/// # Errors
+/// As `build`, and where a file cannot be written.
+pub fn build_and_run<S: Simulation>(
+    arguments: &RunArguments,
+    build: impl FnOnce(&mut dyn FnMut(&str)) -> Result<S>,
+) -> Result<Verdict> {
+    arguments.check()?;
+    run(&mut with_spinner(build)?, arguments)
 }
 
 /// Shows what `build` says it is doing, until it is done.

@@ -143,17 +143,27 @@ impl Pile {
             let angle = (turn + 0.04 * layer as f32) * std::f32::consts::TAU;
             let jitter = Vec3::from_array(std::array::from_fn(|_| random.random_range(-0.02..0.02)));
             let height = FIRST_LAYER + layer as f32 * spacing;
-            let position = Vec3::new(ring * angle.cos(), height, ring * angle.sin()) + jitter;
-            let model = index % self.models.len();
-            let size = random.random_range(SIZES[0]..SIZES[1]);
-            let body =
-                RigidBodyBuilder::dynamic().pose(glamx::Pose3::from_parts(position, rotation(&mut random)));
-            let (handle, _) = self
-                .world
-                .insert(body, self.models[model].collider(size, DENSITY)?.contact_skin(SKIN * size));
-            self.bodies.push(PileBody { handle, model, size });
+            let (sin, cos) = libm::sincosf(angle);
+            let position = Vec3::new(ring * cos, height, ring * sin) + jitter;
+            self.add(position, index % self.models.len(), &mut random)?;
         }
         Ok(())
+    }
+
+    /// Adds a body of random size and rotation.
+    pub(super) fn add(&mut self, position: Vec3, model: usize, random: &mut impl Rng) -> Result<()> {
+        let size = random.random_range(SIZES[0]..SIZES[1]);
+        let body = RigidBodyBuilder::dynamic().pose(glamx::Pose3::from_parts(position, rotation(random)));
+        let collider = self.models[model].collider(size, DENSITY)?.contact_skin(SKIN * size);
+        let (handle, _) = self.world.insert(body, collider);
+        self.bodies.push(PileBody { handle, model, size });
+        Ok(())
+    }
+
+    /// Takes the body at `index` of [`Self::bodies`] out of the world; the last one gets its index.
+    pub(super) fn remove(&mut self, index: usize) {
+        let body = self.bodies.swap_remove(index);
+        self.world.remove_body(body.handle);
     }
 }
 
@@ -231,9 +241,9 @@ impl Simulation for Pile {
 /// A rotation drawn uniformly, after K. Shoemake, *Uniform random rotations* (Graphics Gems III, 1992).
 fn rotation(random: &mut impl Rng) -> Quat {
     let [u, v, w]: [f32; 3] = std::array::from_fn(|_| random.random_range(0.0..1.0));
-    let (v, w) = (v * std::f32::consts::TAU, w * std::f32::consts::TAU);
+    let [(sin_v, cos_v), (sin_w, cos_w)] = [v, w].map(|turn| libm::sincosf(turn * std::f32::consts::TAU));
     let (a, b) = ((1.0 - u).sqrt(), u.sqrt());
-    Quat::from_xyzw(a * v.sin(), a * v.cos(), b * w.sin(), b * w.cos())
+    Quat::from_xyzw(a * sin_v, a * cos_v, b * sin_w, b * cos_w)
 }
 
 /// A handful of the assets and generated shapes.

@@ -1,6 +1,7 @@
 //! Rings, stacked and linked.
 
-use crate::shapes;
+use crate::run::Body;
+use crate::{palette, shapes};
 use anyhow::Result;
 use glam::{Quat, Vec3};
 use glamx::Pose3;
@@ -103,6 +104,15 @@ impl Chain {
         });
         let rings = rings.collect();
         Self { world, plugin, rings }
+    }
+
+    /// The bodies with their meshes and spheres, in a colour each.
+    pub(super) fn bodies<'a>(&self, ring: &'a Ring) -> Vec<Body<'a>> {
+        let body = |(index, &handle)| {
+            let color = if index == 0 { palette::NEUTRAL } else { palette::color(index - 1) };
+            Body::new(handle, format!("ring_{index}"), &ring.solid).packing(&ring.packing).color(color)
+        };
+        self.rings.iter().enumerate().map(body).collect()
     }
 
     /// Distance of two neighbours' centres in a taut chain (m).

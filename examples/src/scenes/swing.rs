@@ -2,7 +2,6 @@
 
 use super::{Chain, Ring};
 use crate::figures::Summary;
-use crate::palette;
 use crate::run::{Body, Check, Simulation, View, Wanted};
 use anyhow::Result;
 use glam::Vec3;
@@ -10,9 +9,9 @@ use rapier_ist::IstPlugin;
 use rapier3d::pipeline::PhysicsWorld;
 
 /// Rings that hang from the fixed one.
-const RINGS: usize = 12;
+pub(super) const RINGS: usize = 12;
 /// Density of the rings (kg/m³).
-const DENSITY: f32 = 1000.0;
+pub(super) const DENSITY: f32 = 1000.0;
 /// Steps that the chain has to come to hang, before the push.
 const HANGS_AFTER: usize = 120;
 /// Speed that the push gives to the lower half (m/s).
@@ -142,13 +141,7 @@ impl Simulation for Swing {
     }
 
     fn bodies(&self) -> Vec<Body<'_>> {
-        let body = |(index, &handle)| {
-            let color = if index == 0 { palette::NEUTRAL } else { palette::color(index - 1) };
-            Body::new(handle, format!("ring_{index}"), &self.ring.solid)
-                .packing(&self.ring.packing)
-                .color(color)
-        };
-        self.chain.rings.iter().enumerate().map(body).collect()
+        self.chain.bodies(&self.ring)
     }
 
     fn checks(&self, _: &Summary) -> Vec<Check> {

@@ -19,7 +19,10 @@ pub fn bowl(inner_radius: f64, wall: f64, height: f64, segments: u32) -> Triangl
     let segments = segments.max(3);
     let outer_radius = inner_radius + wall;
     let opening = rim_angle(inner_radius, height);
-    let arc = |angle: f64, radius: f64| DVec2::new(angle.sin(), -angle.cos()) * radius;
+    let arc = |angle: f64, radius: f64| {
+        let (sin, cos) = libm::sincos(angle);
+        DVec2::new(sin, -cos) * radius
+    };
     let facet = TAU / f64::from(segments);
     let steps = ((opening / facet).ceil() as u32).max(2);
     let rim_steps = ((PI * wall / 2.0 / (facet * outer_radius)).ceil() as u32).max(6);
@@ -30,7 +33,7 @@ pub fn bowl(inner_radius: f64, wall: f64, height: f64, segments: u32) -> Triangl
     let rim_center = arc(opening, inner_radius + wall / 2.0);
     let (outwards, along) = (arc(opening, 1.0), arc(opening + FRAC_PI_2, 1.0));
     profile.extend((0..=rim_steps).map(|i| {
-        let (sin, cos) = (PI * f64::from(i) / f64::from(rim_steps)).sin_cos();
+        let (sin, cos) = libm::sincos(PI * f64::from(i) / f64::from(rim_steps));
         rim_center + (outwards * cos + along * sin) * (wall / 2.0)
     }));
     profile.extend((0..steps).rev().map(|i| arc(opening * f64::from(i) / f64::from(steps), inner_radius)));
@@ -39,7 +42,7 @@ pub fn bowl(inner_radius: f64, wall: f64, height: f64, segments: u32) -> Triangl
 
 /// Polar angle of the rim from the downward axis (rad), kept clear of both poles.
 fn rim_angle(inner_radius: f64, height: f64) -> f64 {
-    (1.0 - height / inner_radius).clamp(-0.999, 0.999).acos()
+    libm::acos((1.0 - height / inner_radius).clamp(-0.999, 0.999))
 }
 
 #[cfg(test)]

@@ -30,7 +30,7 @@ pub fn hexagonal_nut(
             Side::Hole => hole_radius + corner.inset,
             Side::Flats => hexagon_radius(across_flats / 2.0 - corner.inset, angle),
         };
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = libm::sincos(angle);
         DVec3::new(radius * cos, corner.y, -radius * sin)
     })
 }
@@ -71,7 +71,7 @@ fn section(top: f64, chamfer: f64) -> Vec<Corner> {
 
 /// Distance from the centre to the outline of a hexagon with a corner at angle 0.
 pub(super) fn hexagon_radius(apothem: f64, angle: f64) -> f64 {
-    apothem / (angle.rem_euclid(FRAC_PI_3) - FRAC_PI_6).cos()
+    apothem / libm::cos(angle.rem_euclid(FRAC_PI_3) - FRAC_PI_6)
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ pub(super) fn revolve(profile: &[DVec2], segments: u32) -> TriangleMesh {
     let [first, between @ .., last] = profile else { return TriangleMesh::default() };
     let segments = segments.max(3);
     sweep([segments, between.len() as u32], [first.y, last.y], |s, row| {
-        let (sin, cos) = (TAU * f64::from(s) / f64::from(segments)).sin_cos();
+        let (sin, cos) = libm::sincos(TAU * f64::from(s) / f64::from(segments));
         let p = between[row as usize];
         // From x towards −z: the sweep step × the profile step then points to the profile's right, outwards.
         DVec3::new(p.x * cos, p.y, -p.x * sin)

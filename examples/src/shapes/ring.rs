@@ -12,8 +12,8 @@ use std::f64::consts::TAU;
 pub fn ring(major: f64, minor: f64, segments: [u32; 2]) -> TriangleMesh {
     let [around, tube] = segments.map(|n| n.max(3));
     closed_grid(around, tube, |i, j| {
-        let (sin_u, cos_u) = (TAU * f64::from(i) / f64::from(around)).sin_cos();
-        let (sin_v, cos_v) = (TAU * f64::from(j) / f64::from(tube)).sin_cos();
+        let (sin_u, cos_u) = libm::sincos(TAU * f64::from(i) / f64::from(around));
+        let (sin_v, cos_v) = libm::sincos(TAU * f64::from(j) / f64::from(tube));
         let radius = major + minor * cos_v;
         // The axis angle runs from x towards −z, so that axis step × tube step points outwards.
         DVec3::new(radius * cos_u, minor * sin_v, -radius * sin_u)

@@ -16,7 +16,7 @@ pub fn torus_knot(p: u32, q: u32, radii: [f64; 3], segments: [u32; 2]) -> Triang
     let [.., tube] = radii;
     closed_grid(along, around, |i, j| {
         let Frame { center, normal, binormal } = frame(p, q, radii, f64::from(i) / f64::from(along));
-        let (sin, cos) = (TAU * f64::from(j) / f64::from(around)).sin_cos();
+        let (sin, cos) = libm::sincos(TAU * f64::from(j) / f64::from(around));
         center + (normal * cos + binormal * sin) * tube
     })
 }
@@ -34,8 +34,8 @@ struct Frame {
 /// back to itself: no twist has to be spread over the tube to close it, as with rotation-minimising frames.
 fn frame(p: u32, q: u32, [major, minor, _]: [f64; 3], turn: f64) -> Frame {
     let (p, q) = (f64::from(p), f64::from(q));
-    let (sin_u, cos_u) = (TAU * p * turn).sin_cos();
-    let (sin_v, cos_v) = (TAU * q * turn).sin_cos();
+    let (sin_u, cos_u) = libm::sincos(TAU * p * turn);
+    let (sin_v, cos_v) = libm::sincos(TAU * q * turn);
     let outwards = DVec3::new(cos_u, 0.0, -sin_u);
     let onwards = DVec3::new(-sin_u, 0.0, -cos_u);
     let radius = major + minor * cos_v;

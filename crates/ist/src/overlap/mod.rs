@@ -228,4 +228,4 @@ mod grid_tests;
 #[cfg(test)]
 mod stiffness_tests;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

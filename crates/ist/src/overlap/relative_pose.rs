@@ -2,6 +2,7 @@
 
 use super::lens_lanes::Lanes3;
 use crate::InnerSphereTree;
+use crate::rotation;
 use crate::tree::BallBlock;
 use fearless_simd::{Simd, f32x8, prelude::*};
 use glam::{Mat3, Vec3};
@@ -38,11 +39,8 @@ impl RelativePose {
     /// From the pose of `b`'s frame in `a`'s frame; `None` where it is not finite or has no rotation, and where sizes differ
     /// by more than f32 bears.
     pub(super) fn new(a: &InnerSphereTree, b: &InnerSphereTree, pose: &Pose3) -> Option<Self> {
-        let length = pose.rotation.length();
-        if !(pose.is_finite() && length > 0.5 && length < 2.0) {
-            return None;
-        }
-        let rotation = Mat3::from_quat(pose.rotation.normalize());
+        let unit = rotation::unit(pose.rotation).filter(|_| pose.is_finite())?;
+        let rotation = Mat3::from_quat(unit);
         let scale = b.unit() / a.unit();
         let translation = pose.translation / a.unit();
         let (skin_a, skin_b) = (a.skin() / a.unit(), b.skin() / a.unit());

@@ -8,7 +8,7 @@ use alloc::vec::Vec;
 use glam::{DQuat, DVec3, Quat};
 use proptest::prelude::*;
 
-pub(super) fn random_pose(reach: f32) -> impl Strategy<Value = Pose3> {
+pub(crate) fn random_pose(reach: f32) -> impl Strategy<Value = Pose3> {
     (prop::array::uniform3(-reach..reach), prop::array::uniform3(-3.0_f32..3.0))
         .prop_map(|(t, r)| Pose3::from_parts(t.into(), Quat::from_scaled_axis(r.into())))
 }

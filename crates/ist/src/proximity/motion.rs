@@ -1,8 +1,9 @@
 //! Motion at constant velocities.
 
 use super::BallKind;
-use super::placement::{exact_ball, unit_rotation};
+use super::placement::exact_ball;
 use crate::InnerSphereTree;
+use crate::rotation;
 use glam::{DMat3, DQuat, DVec3, Vec3};
 use glamx::Pose3;
 
@@ -54,7 +55,7 @@ impl Mover {
     pub(super) fn new(motion: &RigidMotion) -> Option<Self> {
         let vectors = [motion.local_center, motion.linear_velocity, motion.angular_velocity];
         let finite = motion.pose.is_finite() && vectors.iter().all(|v| v.is_finite());
-        let rotation = unit_rotation(motion.pose.rotation).filter(|_| finite)?;
+        let rotation = rotation::unit_f64(motion.pose.rotation).filter(|_| finite)?;
         let local_center = motion.local_center.as_dvec3();
         Some(Self {
             rotation,
@@ -73,7 +74,7 @@ impl Mover {
 
     /// Rotation and place of the centre at `time`.
     fn placed_at(&self, time: f64) -> (DQuat, DVec3) {
-        let rotation = DQuat::from_scaled_axis(self.spin * time) * self.rotation;
+        let rotation = rotation::about(self.spin * time) * self.rotation;
         (rotation, self.center + self.velocity * time)
     }
 }

@@ -21,6 +21,7 @@ use super::planes::{Plane, nearest_beyond};
 use super::side::Side;
 use super::{BallKind, ProximityWorkspace};
 use crate::InnerSphereTree;
+use crate::rotation;
 use glam::{DVec3, Vec3};
 use glamx::Pose3;
 
@@ -87,7 +88,7 @@ impl InnerSphereTree {
         workspace: &mut ProximityWorkspace,
     ) -> Option<Penetration> {
         let placement = Placement::new(self, other, pose)?;
-        let pose = &Pose3::from_parts(pose.translation, pose.rotation.normalize());
+        let pose = &Pose3::from_parts(pose.translation, rotation::unit(pose.rotation)?);
         let rounding = f64::from(placement.rounding) * f64::from(self.unit());
         let mut query = Query { a: self, b: other, pose, placement, margin: 5.0 * rounding, workspace };
         let deepest = query.deepest(DVec3::ZERO)?;

@@ -2,10 +2,11 @@
 
 use super::BallKind;
 use crate::InnerSphereTree;
+use crate::rotation;
 use crate::tree::WIDTH;
 use fearless_simd::{Simd, f32x8};
 use glam::{DMat3, DVec3, Mat3, Vec3};
-use glamx::{Pose3, Rot3};
+use glamx::Pose3;
 
 /// Error of a gap between two balls in f32, relative to the sum of the largest coordinates that enter it.
 ///
@@ -30,13 +31,6 @@ pub(super) struct Placement {
     exact: (DMat3, DVec3),
 }
 
-/// A unit quaternion from one that is near unit length, as an integrated rotation is; `None` otherwise.
-pub(super) fn unit_rotation(rotation: Rot3) -> Option<glam::DQuat> {
-    let length = rotation.length();
-    // False for NaN as well.
-    (length > 0.5 && length < 2.0).then(|| rotation.as_dquat().normalize())
-}
-
 impl Placement {
     /// From the pose of `b`'s frame in `a`'s frame; `None` where it is not finite, has no rotation or is farther
     /// away than f32 can tell.
@@ -51,9 +45,9 @@ impl Placement {
         pose: &Pose3,
         shift: DVec3,
     ) -> Option<Self> {
-        let unit = unit_rotation(pose.rotation).filter(|_| pose.is_finite())?;
+        let exact = rotation::unit_f64(pose.rotation).filter(|_| pose.is_finite())?;
         // The same f32 operations as in the overlap, so that both see the same pairs meet.
-        let rotation = Mat3::from_quat(pose.rotation.normalize());
+        let rotation = Mat3::from_quat(rotation::unit(pose.rotation)?);
         let scale = b.unit() / a.unit();
         let exact_translation = pose.translation.as_dvec3() + shift;
         let translation = exact_translation.as_vec3() / a.unit();
@@ -68,7 +62,7 @@ impl Placement {
             translation,
             scale,
             rounding: ROUNDING * largest,
-            exact: (DMat3::from_quat(unit), exact_translation),
+            exact: (DMat3::from_quat(exact), exact_translation),
         })
     }
 

@@ -93,7 +93,7 @@ fn negligible_radius(solid: &Solid, options: &PackOptions) -> f64 {
         return 0.0;
     }
     let volume = NEGLIGIBLE * solid.properties().volume / options.spheres as f64;
-    (volume / (4.0 / 3.0 * PI)).cbrt()
+    libm::cbrt(volume / (4.0 / 3.0 * PI))
 }
 
 /// Balls placed so far, and what may end the placing.

@@ -76,7 +76,7 @@ fn sample_gaps(sampler: &Sampler, volume_per_sample: f64) -> Vec<Gap> {
     let (lower, upper) = solid.bounds();
     let side = (upper - lower).max_element() * (1.0 + 1e-9);
     // The finest lattice bounds the work where balls leave next to no gap.
-    let spacing = volume_per_sample.cbrt().max(side / f64::from(1_u32 << FINEST));
+    let spacing = libm::cbrt(volume_per_sample).max(side / f64::from(1_u32 << FINEST));
     // A lattice of 2^depth samples a side.
     let depth =
         (TASK_LEVEL..FINEST).find(|depth| side / f64::from(1_u32 << depth) <= spacing).unwrap_or(FINEST);

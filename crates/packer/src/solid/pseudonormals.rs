@@ -149,5 +149,5 @@ fn angle(mesh: &TriangleMesh, triangle: usize, corner: usize) -> f64 {
     let (p, q, r) = (points[corner], points[(corner + 1) % 3], points[(corner + 2) % 3]);
     let (u, v) = ((q - p).normalize_or_zero(), (r - p).normalize_or_zero());
     // Accurate for all angles, unlike the arc cosine (W. Kahan).
-    2.0 * (u - v).length().atan2((u + v).length())
+    2.0 * libm::atan2((u - v).length(), (u + v).length())
 }

@@ -28,7 +28,7 @@ pub(super) fn wedges(mesh: &TriangleMesh, edge: [u32; 2], faces: &[Side]) -> Opt
         .iter()
         .map(|face| {
             let across = across(face);
-            let angle = zero.cross(across).dot(axis).atan2(zero.dot(across)).rem_euclid(TAU);
+            let angle = libm::atan2(zero.cross(across).dot(axis), zero.dot(across)).rem_euclid(TAU);
             let step = (angle / SAME).round() as u64 % (TAU / SAME).round() as u64;
             let runs_along = mesh.triangles[face.triangle as usize][face.slot] == edge[0];
             (step, !runs_along, *face)

@@ -102,7 +102,7 @@ fn winding_number(mesh: &TriangleMesh, shell: &Shell, point: DVec3) -> f64 {
         let [a, b, c] = mesh.corners(*triangle as usize).map(|corner| corner - point);
         let (la, lb, lc) = (a.length(), b.length(), c.length());
         let below = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-        2.0 * a.dot(b.cross(c)).atan2(below)
+        2.0 * libm::atan2(a.dot(b.cross(c)), below)
     };
     shell.triangles.iter().map(angle).sum::<f64>() / (4.0 * PI)
 }

@@ -7,6 +7,8 @@ mod common;
 
 mod bad_input;
 mod content;
+#[cfg(unix)]
+mod faults;
 mod files;
 #[cfg(unix)]
 mod interruption;

@@ -54,7 +54,7 @@ impl Patch {
         }
         let area: Real = samples.iter().map(|s| cross_section(s, normal)).sum();
         // A body wholly inside another has a volume and no cross-section: its own size bounds the depth.
-        let depth = (volume / area.max(Real::MIN_POSITIVE)).min(volume.cbrt());
+        let depth = (volume / area.max(Real::MIN_POSITIVE)).min(libm::cbrtf(volume));
         let centroid = sum(&|s| (s.volume / volume) * s.point);
         let (corners, count) = corners(samples, centroid, normal);
         let mean = corners[..count].iter().sum::<Vector>() / count as Real;

@@ -90,7 +90,7 @@ impl Regions {
 fn radius(sample: &ContactSample) -> Real {
     let area = sample.separation.length();
     let cap = area * (area / (4.0 * std::f32::consts::PI * sample.volume));
-    cap.max((sample.volume * 0.75 / std::f32::consts::PI).cbrt())
+    cap.max(libm::cbrtf(sample.volume * 0.75 / std::f32::consts::PI))
 }
 
 fn longest_axis(samples: &[ContactSample]) -> usize {

@@ -68,7 +68,7 @@ fn impact_dissipation(restitution: f64) -> f64 {
     let (mut lower, mut upper) = (0.0, 1.0 / e);
     for _ in 0..48 {
         let d = 0.5 * (lower + upper);
-        if (d.ln_1p() - (-e * d).ln_1p()) < d * (1.0 + e) { lower = d } else { upper = d }
+        if (libm::log1p(d) - libm::log1p(-e * d)) < d * (1.0 + e) { lower = d } else { upper = d }
     }
     lower
 }

@@ -50,7 +50,7 @@ fn depth(samples: &[&ContactSample]) -> f64 {
     let volume: f64 = samples.iter().map(|s| f64::from(s.volume)).sum();
     let push: DVec3 = samples.iter().map(|s| s.normal.as_dvec3() * f64::from(s.volume)).sum();
     let separation: DVec3 = samples.iter().map(|s| s.separation.as_dvec3()).sum();
-    let size = volume.cbrt();
+    let size = libm::cbrt(volume);
     volume
         / separation
             .dot(push.normalize_or_zero())

@@ -64,6 +64,8 @@ mod sink;
 pub(crate) mod test_scene;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod writer_tests;
 
 pub use body::BodyDescription;
 pub use error::RecordError;

@@ -104,7 +104,8 @@ fn retried(
 
 /// Prints one line.
 pub(crate) fn print(line: impl std::fmt::Display) -> anyhow::Result<()> {
-    Ok(writeln!(std::io::stdout(), "{line}")?)
+    writeln!(std::io::stdout(), "{line}")
+        .context("cannot write to standard output; lead it to a file or device that has space left")
 }
 
 /// An error with its causes; those that the text tells already are left out.

@@ -107,6 +107,10 @@ impl Item {
         if self.output.is_dir() {
             bail!("{name}, which is to be written, is a folder; rename it");
         }
+        // To read from a pipe would be to wait for whoever writes to it.
+        if self.output.exists() && !self.output.is_file() {
+            bail!("{name}, which is to be written, is no file; rename it");
+        }
         match SpherePacking::load(&self.output) {
             Ok(packing) => {
                 let generator = &packing.provenance().generator;
