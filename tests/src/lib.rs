@@ -1,5 +1,7 @@
 //! Shared by the project's tests: exact overlaps to compare with, and a small scene to record.
 
+pub mod fuzzing;
+
 use anyhow::{Context, Result};
 use glam::{Quat, Vec3};
 use glamx::Pose3;
