@@ -2,6 +2,7 @@
 
 #[cfg(doctest)]
 mod documents;
+pub mod fuzzing;
 
 use anyhow::{Context, Result};
 use glam::{Quat, Vec3};

@@ -56,6 +56,8 @@ impl InnerSphere {
     pub fn volume_ball(&self) -> (Vec3, f32) {
         let radius = self.volume_radius();
         let shift = self.cell_centroid - self.center;
+        // Where single precision cannot hold the way to the centroid it has no direction either.
+        let shift = if shift.is_finite() { shift } else { Vec3::ZERO };
         (self.center + shift.clamp_length_max(radius - self.radius), radius)
     }
 }
@@ -115,6 +117,19 @@ mod tests {
                 (moved - radius.min(shift + sphere.radius) + sphere.radius).abs() < 1e-6,
                 "{shift}: {moved}"
             );
+        }
+    }
+
+    /// The way from a centre to a centroid at the other end of f32 was infinite, and infinity times no room is NaN.
+    #[test]
+    fn issue_a_centroid_too_far_away_gives_nan() {
+        for far in [1e20, f32::MAX] {
+            let mut sphere = InnerSphere::solid_ball(Vec3::Y * -far, 1.0, Vec3::Y);
+            for (centroid, cell_volume) in [(far, 1.0), (far, 9.0), (-far, 9.0)] {
+                (sphere.cell_centroid, sphere.cell_volume) = (Vec3::Y * centroid, cell_volume);
+                let (center, radius) = sphere.volume_ball();
+                assert_eq!((center, radius), (sphere.center, sphere.volume_radius()), "{far} {centroid}");
+            }
         }
     }
 

@@ -61,7 +61,8 @@ impl TriangleMesh {
             "PLY" => ply::parse(&bytes),
             _ => gltf::parse(&bytes, path.parent().unwrap_or(Path::new(""))),
         };
-        // No file is known at which the readers panic; if there is one, it is damaged and not the program.
+        // The crate gltf panics where a primitive's positions are an accessor that does not exist. A file at which a
+        // reader panics is damaged, not the program.
         let parsed = std::panic::catch_unwind(parse).unwrap_or_else(|_| Err("its reader gave up".to_owned()));
         parsed.map_err(|what| MeshError::Parse { path: path.into(), format, what })
     }

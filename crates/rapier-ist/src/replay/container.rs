@@ -38,7 +38,8 @@ pub(super) fn walk(bytes: &[u8], mut visit: impl FnMut(Record)) -> ReplayEnd {
                 };
             }
             op::METADATA => parse(opcode, body, &mut visit),
-            op::HEADER => Ok(()),
+            // Anywhere else it is another record whose kind is damaged.
+            op::HEADER if position == mcap::MAGIC.len() => Ok(()),
             op::MESSAGE_INDEX if is_message_index(body) => Ok(()),
             // Other records would be skipped by the format's rules. A recorder writes none, and were they skipped, a
             // chunk whose kind is damaged would be missing in the middle.

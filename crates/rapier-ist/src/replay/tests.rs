@@ -3,6 +3,7 @@
 use super::*;
 use crate::record::test_scene::{Fall, STEPS, TRIANGLE, recording};
 use crate::record::{ChunkCompression, RecordOptions, Recorder, UpAxis};
+use mcap::records::op;
 use rapier3d::prelude::*;
 use std::io::Cursor;
 
@@ -172,6 +173,29 @@ fn a_flipped_bit_is_noticed_and_nothing_wrong_is_replayed() {
             }
         }
     }
+}
+
+/// More than one bit may be wrong: a chunk whose kind had become that of a header was passed over, and what followed was
+/// replayed as if nothing were missing.
+#[test]
+fn issue_a_chunk_taken_for_a_header_is_missing() {
+    let (bytes, _) = recording(options().compression(ChunkCompression::None));
+    let whole = Replay::from_bytes(&bytes).unwrap();
+    let mut position = mcap::MAGIC.len();
+    let mut chunks = 0;
+    while bytes[position] != op::DATA_END {
+        let length = u64::from_le_bytes(bytes[position + 1..position + 9].try_into().unwrap());
+        if bytes[position] == op::CHUNK {
+            chunks += 1;
+            let mut damaged = bytes.clone();
+            damaged[position] = op::HEADER;
+            let replay = Replay::from_bytes(&damaged).unwrap();
+            assert!(is_beginning(&replay, &whole), "{position}: {}", replay.end());
+            assert!(matches!(replay.end(), ReplayEnd::Damaged { at, .. } if *at == position as u64));
+        }
+        position += 9 + length as usize;
+    }
+    assert!(chunks > 3);
 }
 
 /// Bytes from the data end record's body on: the footer, in front of the last magic bytes, says where the summary begins.

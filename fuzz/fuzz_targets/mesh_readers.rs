@@ -1,0 +1,3 @@
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| rapier_ist_tests::fuzzing::mesh_readers::check(data));

@@ -1,0 +1,235 @@
+//! Steps of small worlds.
+//!
+//! Bodies of all kinds with trees and with Rapier's own shapes, joints, and a script of steps, insertions, removals and
+//! changes between them. Whatever the finite numbers: no panic, no body lost, nothing that is not finite in bodies that
+//! Rapier keeps enabled or in reports; fixed bodies stay, and forces of the user are what they were. With usual numbers and no
+//! joints no body is disabled.
+
+mod scene;
+
+use super::numbers::{below, finite_float, moderate, moderate_vector, pose, power_of_two, raw};
+use arbitrary::Unstructured;
+use rapier_ist::{ContactModel, IstPlugin, StepReport, Stiffness, VolumePenalty};
+use rapier3d::prelude::*;
+use scene::{Extremes, body, collider};
+
+const MOST_BODIES: u8 = 6;
+/// Most steps of a script; a substep counts as one.
+const MOST_STEPS: u32 = 40;
+
+/// A world and what happens in it, from bytes.
+pub fn check(data: &[u8]) {
+    let u = &mut Unstructured::new(data);
+    let extremes = Extremes(below(u, 4) == 0);
+    let mut run = Run::new(u, extremes);
+    for _ in 0..1 + below(u, MOST_BODIES) {
+        run.insert(u);
+    }
+    run.step();
+    while !u.is_empty() && run.steps < MOST_STEPS {
+        run.change(u);
+        run.step();
+    }
+    while run.steps < 6 {
+        run.step();
+    }
+}
+
+struct Run {
+    world: PhysicsWorld,
+    plugin: IstPlugin,
+    bodies: Vec<RigidBodyHandle>,
+    colliders: usize,
+    steps: u32,
+    extremes: Extremes,
+    has_joints: bool,
+}
+
+impl Run {
+    fn new(u: &mut Unstructured, extremes: Extremes) -> Self {
+        let mut world = PhysicsWorld::new();
+        let mut plugin = IstPlugin::install(&mut world);
+        plugin.model = model(u, extremes);
+        plugin.substeps = u32::from(below(u, 3));
+        world.gravity = Vector::Y * [-9.81, 0.0, 9.81, -100.0][usize::from(below(u, 4))];
+        world.integration_parameters.dt =
+            [1.0 / 60.0, 1.0 / 240.0, 1.0 / 30.0, 0.0][usize::from(below(u, 4))];
+        if extremes.0 {
+            world.integration_parameters.dt = extreme_time_step(u);
+        }
+        Self { world, plugin, bodies: Vec::new(), colliders: 0, steps: 0, extremes, has_joints: false }
+    }
+
+    fn insert(&mut self, u: &mut Unstructured) {
+        let body = self.world.insert_body(body(u, self.extremes));
+        for _ in 0..[1, 1, 1, 0, 2][usize::from(below(u, 5))] {
+            self.world.insert_collider(collider(u, self.extremes), Some(body));
+            self.colliders += 1;
+        }
+        self.bodies.push(body);
+    }
+
+    /// One of the bodies that are there.
+    fn pick(&self, u: &mut Unstructured) -> Option<RigidBodyHandle> {
+        let index = usize::from(raw::<u8>(u)).checked_rem(self.bodies.len())?;
+        self.bodies.get(index).copied()
+    }
+
+    fn change(&mut self, u: &mut Unstructured) {
+        let kind = below(u, 12);
+        if kind == 0 && self.bodies.len() < usize::from(2 * MOST_BODIES) {
+            return self.insert(u);
+        }
+        let Some(handle) = self.pick(u) else { return };
+        let extremes = self.extremes;
+        let is_link = self.world.multibody_joints.rigid_body_link(handle).is_some();
+        match kind {
+            1 => return self.remove(handle),
+            2 => return self.join(u, handle),
+            3 => return self.world.wake_up(handle, raw(u)),
+            _ => {}
+        }
+        let body = &mut self.world.bodies[handle];
+        match kind {
+            4 => body.set_position(pose(u, 2.0), raw(u)),
+            5 => body.set_linvel(extremes.vector(u), raw(u)),
+            6 => body.set_angvel(extremes.vector(u), raw(u)),
+            7 => body.sleep(),
+            // Links of multibodies have to be dynamic: Rapier asserts it.
+            8 if !is_link => body.set_body_type(scene::body_type(u), raw(u)),
+            9 => body.set_next_kinematic_position(pose(u, 2.0)),
+            10 => body.add_force(extremes.vector(u), raw(u)),
+            11 => body.set_enabled(raw(u)),
+            _ => {}
+        }
+    }
+
+    fn remove(&mut self, handle: RigidBodyHandle) {
+        self.colliders -= self.world.bodies[handle].colliders().len();
+        self.world.remove_body(handle);
+        self.bodies.retain(|other| *other != handle);
+    }
+
+    fn join(&mut self, u: &mut Unstructured, handle: RigidBodyHandle) {
+        let Some(other) = self.pick(u).filter(|other| *other != handle) else { return };
+        let (anchor, contacts) = (moderate_vector(u) * 0.125, raw(u));
+        self.has_joints = true;
+        match below(u, 4) {
+            0 => {
+                let joint =
+                    RevoluteJointBuilder::new(Vector::Z).local_anchor1(anchor).contacts_enabled(contacts);
+                self.world.insert_impulse_joint(handle, other, joint);
+            }
+            1 => {
+                let joint = SphericalJointBuilder::new().local_anchor2(anchor).contacts_enabled(contacts);
+                self.world.insert_impulse_joint(handle, other, joint);
+            }
+            2 => {
+                let joint = FixedJointBuilder::new().contacts_enabled(contacts);
+                self.world.insert_impulse_joint(handle, other, joint);
+            }
+            // Links of multibodies have to be dynamic: Rapier asserts it.
+            _ if self.is_dynamic(handle) && self.is_dynamic(other) => {
+                let joint =
+                    RevoluteJointBuilder::new(Vector::X).local_anchor1(anchor).contacts_enabled(contacts);
+                self.world.insert_multibody_joint(handle, other, joint);
+            }
+            _ => {}
+        }
+    }
+
+    fn is_dynamic(&self, handle: RigidBodyHandle) -> bool {
+        self.world.bodies[handle].is_dynamic()
+    }
+
+    fn step(&mut self) {
+        let before: Vec<_> =
+            self.bodies.iter().map(|handle| State::of(&self.world.bodies[*handle])).collect();
+        self.steps += self.plugin.substeps.max(1);
+        let report = self.plugin.step(&mut self.world).clone();
+        check_report(&report, &self.world);
+        assert_eq!(
+            (self.world.bodies.len(), self.world.colliders.len()),
+            (self.bodies.len(), self.colliders)
+        );
+        for (handle, before) in self.bodies.iter().zip(before) {
+            before.check(&self.world.bodies[*handle], !self.extremes.0 && !self.has_joints);
+        }
+    }
+}
+
+/// What a step must not change.
+struct State {
+    position: Pose,
+    force: Vector,
+    is_enabled: bool,
+}
+
+impl State {
+    fn of(body: &RigidBody) -> Self {
+        Self { position: *body.position(), force: body.user_force(), is_enabled: body.is_enabled() }
+    }
+
+    fn check(&self, body: &RigidBody, is_usual: bool) {
+        if body.is_enabled() {
+            // Rapier computes the velocity of a kinematic body from its way, which may be too far for a time step.
+            let moves = !body.is_dynamic() || (body.linvel().is_finite() && body.angvel().is_finite());
+            let what = (body.body_type(), body.linvel(), body.angvel());
+            assert!(body.position().is_finite() && moves, "{:?} {what:?}", body.position());
+            assert_eq!(body.user_force(), self.force, "a force of the user has changed");
+        }
+        assert!(!is_usual || body.is_enabled() == self.is_enabled, "{:?} was disabled", self.position);
+        if body.is_fixed() {
+            // Rapier normalises the rotation.
+            let turned = body.rotation().angle_between(self.position.rotation);
+            let stays = body.translation() == self.position.translation && turned < 1e-2;
+            assert!(stays, "a fixed body has moved");
+        }
+    }
+}
+
+fn check_report(report: &StepReport, world: &PhysicsWorld) {
+    assert!(!report.dispatcher_replaced);
+    assert!(report.contacts.is_sorted_by_key(|contact| contact.colliders().map(|c| c.into_raw_parts())));
+    for contact in &report.contacts {
+        let [a, b] = contact.colliders();
+        assert!(world.colliders.contains(a) && world.colliders.contains(b), "{contact:?}");
+        let vectors = [contact.centroid, contact.force, contact.torque, contact.relative_velocity];
+        let is_finite = contact.volume.is_finite() && contact.depth.is_finite();
+        assert!(is_finite && vectors.iter().all(|v| v.is_finite()), "{contact:?}");
+        assert!(contact.volume >= 0.0 && contact.depth >= 0.0, "{contact:?}");
+    }
+    for patch in &report.patches {
+        assert!(patch.pair < report.contacts.len());
+        let vectors = [patch.centroid, patch.force, patch.torque, patch.relative_velocity];
+        let is_finite = patch.volume.is_finite() && patch.depth.is_finite();
+        assert!(is_finite && vectors.iter().all(|v| v.is_finite()), "{patch:?}");
+    }
+}
+
+/// None, backwards, or from a microsecond to a second.
+fn extreme_time_step(u: &mut Unstructured) -> Real {
+    match below(u, 8) {
+        0 => 0.0,
+        1 => -1.0,
+        _ => finite_float(u).abs().clamp(1e-6, 1.0),
+    }
+}
+
+fn model(u: &mut Unstructured, extremes: Extremes) -> ContactModel {
+    if below(u, 4) == 0 {
+        return ContactModel::VolumeManifold;
+    }
+    let mut penalty = VolumePenalty::default();
+    if extremes.0 {
+        penalty.dissipation = finite_float(u);
+        penalty.recovery_speed = finite_float(u);
+        penalty.creep_speed = finite_float(u);
+    }
+    if below(u, 2) == 0 {
+        let stiffness =
+            if extremes.0 { finite_float(u) } else { 1e4 * power_of_two(u, 12) * moderate(u).abs() };
+        penalty.stiffness = Stiffness::Uniform(stiffness);
+    }
+    ContactModel::VolumePenalty(penalty)
+}
