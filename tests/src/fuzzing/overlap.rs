@@ -35,11 +35,11 @@ pub fn check(data: &[u8]) {
     }
     let step = moderate_vector(u) * (size * 1e-4);
     case.has_no_nan();
-    case.all_ways_agree(step);
     case.interval_holds();
     // Where sizes differ by more, nothing is found: see the documentation of the overlap.
     let is_resolved = (1e-8..1e8).contains(&(reach(&b.tree) / reach(&a.tree)));
     if a.is_ordinary && b.is_ordinary && !is_any && is_resolved {
+        case.all_ways_agree(step);
         case.is_that_of_the_reference();
     }
 }

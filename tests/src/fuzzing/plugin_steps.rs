@@ -82,7 +82,6 @@ impl Run {
         }
         let Some(handle) = self.pick(u) else { return };
         let extremes = self.extremes;
-        let is_link = self.world.multibody_joints.rigid_body_link(handle).is_some();
         match kind {
             1 => return self.remove(handle),
             2 => return self.join(u, handle),
@@ -95,8 +94,7 @@ impl Run {
             5 => body.set_linvel(extremes.vector(u), raw(u)),
             6 => body.set_angvel(extremes.vector(u), raw(u)),
             7 => body.sleep(),
-            // Links of multibodies have to be dynamic: Rapier asserts it.
-            8 if !is_link => body.set_body_type(scene::body_type(u), raw(u)),
+            8 => body.set_body_type(scene::body_type(u), raw(u)),
             9 => body.set_next_kinematic_position(pose(u, 2.0)),
             10 => body.add_force(extremes.vector(u), raw(u)),
             11 => body.set_enabled(raw(u)),
@@ -114,7 +112,8 @@ impl Run {
         let Some(other) = self.pick(u).filter(|other| *other != handle) else { return };
         let (anchor, contacts) = (moderate_vector(u) * 0.125, raw(u));
         self.has_joints = true;
-        match below(u, 4) {
+        // No multibodies: Rapier itself panics at some changes of theirs, such as another joint between two links.
+        match below(u, 3) {
             0 => {
                 let joint =
                     RevoluteJointBuilder::new(Vector::Z).local_anchor1(anchor).contacts_enabled(contacts);
@@ -124,22 +123,11 @@ impl Run {
                 let joint = SphericalJointBuilder::new().local_anchor2(anchor).contacts_enabled(contacts);
                 self.world.insert_impulse_joint(handle, other, joint);
             }
-            2 => {
+            _ => {
                 let joint = FixedJointBuilder::new().contacts_enabled(contacts);
                 self.world.insert_impulse_joint(handle, other, joint);
             }
-            // Links of multibodies have to be dynamic: Rapier asserts it.
-            _ if self.is_dynamic(handle) && self.is_dynamic(other) => {
-                let joint =
-                    RevoluteJointBuilder::new(Vector::X).local_anchor1(anchor).contacts_enabled(contacts);
-                self.world.insert_multibody_joint(handle, other, joint);
-            }
-            _ => {}
         }
-    }
-
-    fn is_dynamic(&self, handle: RigidBodyHandle) -> bool {
-        self.world.bodies[handle].is_dynamic()
     }
 
     fn step(&mut self) {

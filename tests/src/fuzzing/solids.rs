@@ -49,7 +49,9 @@ pub(super) fn packing(u: &mut Unstructured) -> SpherePacking {
         sphere
     });
     let spheres: Vec<InnerSphere> = spheres.collect();
-    let solid = SolidProperties::ball(f64::from(size));
+    // About as large as they are: a body that reaches far and has next to no inertia is no usual one.
+    let reach = spheres.iter().map(|s| s.center.length() + s.radius).fold(0.0, f32::max);
+    let solid = SolidProperties::ball(f64::from(reach));
     SpherePacking::new(spheres, solid).unwrap_or_else(|_| one_ball())
 }
 

@@ -91,11 +91,13 @@ impl InnerSphereTree {
 
     /// The same solid `factor` times as large (about the origin of its frame), sharing the hierarchy.
     ///
-    /// Returns `None` unless `factor` is positive and finite.
+    /// Returns `None` unless `factor` is positive and finite, and neither are the solid's lengths beyond f32 nor is it smaller than the
+    /// smallest number of full precision.
     #[must_use]
     pub fn scaled(&self, factor: f32) -> Option<Self> {
-        let scale = self.scale * factor;
-        (scale > 0.0 && scale.is_finite()).then(|| Self { scale, ..self.clone() })
+        let scaled = Self { scale: self.scale * factor, ..self.clone() };
+        let is_number = scaled.scale > 0.0 && scaled.unit().is_normal();
+        (is_number && scaled.bounding_ball().1.is_finite()).then_some(scaled)
     }
 
     /// The same solid under a skin of `thickness` (m), sharing the hierarchy: every volume ball is that much
@@ -278,5 +280,19 @@ pub(crate) mod tests {
             assert!(tree.scaled(bad).is_none(), "{bad}");
         }
         assert_eq!(tree.scaled(2.0).unwrap().bounding_ball().1, 2.0 * tree.bounding_ball().1);
+    }
+
+    /// Their lengths were infinite or zero, and queries gave NaN.
+    #[test]
+    fn issue_solids_beyond_f32_are_no_solids() {
+        let tree_of = |radius| {
+            let ball = InnerSphere::solid_ball(Vec3::X * radius, radius, Vec3::X);
+            InnerSphereTree::new(&SpherePacking::new(alloc::vec![ball], SolidProperties::ball(1.0)).unwrap())
+        };
+        for (radius, factor) in [(1e10, 1e30), (1e-20, 1e-30), (1e-30, 1e-38)] {
+            assert!(tree_of(radius).scaled(factor).is_none(), "{factor} times {radius}");
+        }
+        let tree = tree_of(1e10).scaled(1e27).unwrap();
+        assert!(tree.nearest_sphere(Vec3::ZERO, crate::BallKind::Inner).unwrap().distance.is_finite());
     }
 }

@@ -155,8 +155,7 @@ impl<'q> RowMaker<'q> {
         };
         let lower = sum(lower).min(upper);
         let within = volume.min(b.volume).clamp(lower, upper);
-        let factor = if volume > 0.0 { within / volume } else { 0.0 };
-        Some(Part { lower, upper, expected: expected.scaled(factor) })
+        Some(Part { lower, upper, expected: expected.with_volume(within) })
     }
 }
 

@@ -48,8 +48,25 @@ pub(super) struct Wrench {
 }
 
 impl Expected {
+    fn is_finite(&self) -> bool {
+        let Self { volume, moment, gradient, outward } = self;
+        let vectors = [moment, &gradient.force, &gradient.torque, &outward.force, &outward.torque];
+        volume.is_finite() && vectors.iter().all(|v| v.is_finite())
+    }
+
+    /// The same with this volume, everything in proportion.
+    ///
+    /// Of balls that are too small for f32 to hold their volumes the densities are infinite: then nothing but the volume is known.
+    pub(super) fn with_volume(self, volume: f32) -> Self {
+        if self.volume > 0.0 && self.is_finite() {
+            self.scaled(volume / self.volume)
+        } else {
+            Self { volume, ..Self::default() }
+        }
+    }
+
     /// Everything times `factor`.
-    pub(super) fn scaled(self, factor: f32) -> Self {
+    fn scaled(self, factor: f32) -> Self {
         let wrench = |w: Wrench| Wrench { force: w.force * factor, torque: w.torque * factor };
         Self {
             volume: self.volume * factor,
