@@ -13,7 +13,7 @@ use std::time::Instant;
 /// Shortest soak (s) that is compared with itself: in a tenth of less than a minute, what happens to happen decides.
 const COMPARED_FROM: f64 = 600.0;
 /// Most memory (MiB) by which the last tenth may exceed the second: allocators keep some of what is freed, in pieces.
-/// Hours of both scenes grew by less than half of it.
+/// Set beforehand; hours of the two scenes grew by 0.05 and 0.16.
 const MOST_GROWTH: f64 = 4.0;
 /// Most by which steps of the last tenth may take longer than those of the second. Both do the same work but for chance; other
 /// work on the machine slows steps down even where it takes no processor away.
