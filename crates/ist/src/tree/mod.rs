@@ -91,12 +91,11 @@ impl InnerSphereTree {
 
     /// The same solid `factor` times as large (about the origin of its frame), sharing the hierarchy.
     ///
-    /// Returns `None` unless `factor` is positive and finite, and neither are the solid's lengths beyond f32 nor is it smaller than the
-    /// smallest number of full precision.
+    /// Returns `None` unless `factor` is positive and finite, and where the solid would be too large or too small for f32.
     #[must_use]
     pub fn scaled(&self, factor: f32) -> Option<Self> {
         let scaled = Self { scale: self.scale * factor, ..self.clone() };
-        let is_number = scaled.scale > 0.0 && scaled.unit().is_normal();
+        let is_number = scaled.scale > 0.0 && scaled.unit() > 0.0;
         (is_number && scaled.bounding_ball().1.is_finite()).then_some(scaled)
     }
 
@@ -289,7 +288,7 @@ pub(crate) mod tests {
             let ball = InnerSphere::solid_ball(Vec3::X * radius, radius, Vec3::X);
             InnerSphereTree::new(&SpherePacking::new(alloc::vec![ball], SolidProperties::ball(1.0)).unwrap())
         };
-        for (radius, factor) in [(1e10, 1e30), (1e-10, 1e-30), (1e-12, 1e-38)] {
+        for (radius, factor) in [(1e10, 1e30), (1e-12, 1e-38)] {
             assert!(tree_of(radius).scaled(factor).is_none(), "{factor} times {radius}");
         }
         let tree = tree_of(1e10).scaled(1e27).unwrap();
