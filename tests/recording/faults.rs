@@ -30,7 +30,9 @@ fn a_full_device_is_named_with_what_to_do_and_the_run_goes_on() {
             // Whether the first write is made here or later is the writer's business.
             Err(error) => {
                 errors.push(error.to_string());
-                (0..30).for_each(|_| pile.step());
+                for _ in 0..30 {
+                    pile.step();
+                }
             }
         }
         assert!(!errors.is_empty());
