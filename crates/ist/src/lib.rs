@@ -144,8 +144,8 @@
 //! - `parallel`: grids and batches on all cores.
 //!
 //! # Determinism
-//! Results have the same bits on any number of threads, on every instruction set that a binary finds at run time, and whatever
-//! processor it was compiled for; but not queries with a budget of time.
+//! Results have the same bits on any number of threads, on every instruction set that a binary finds at run time, and in
+//! binaries for generic x86-64 and for the processor at hand; but not queries with a budget of time.
 //!
 //! Without `std` the crate needs `alloc`, and queries use the instruction set that it is compiled for instead of the best
 //! that the processor has.

@@ -1,4 +1,4 @@
-//! Packings and queries give the same bits whatever they were compiled for and on any number of threads.
+//! Packings and queries are to give the same bits whatever they were compiled for and on any number of threads.
 //!
 //! `tests/determinism.sh` compiles these tests with other flags. Where a change of an algorithm is meant to change results,
 //! the values below are replaced by those that the failing test prints.

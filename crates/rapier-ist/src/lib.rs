@@ -89,7 +89,7 @@
 //!
 //! # Determinism
 //! Equal worlds that are stepped equally stay equal bit for bit, on any number of threads: for one binary on one machine, without
-//! any feature. Queries are the same whatever they were compiled for and whatever instruction set they find.
+//! any feature. Queries are the same for generic x86-64 and the processor at hand, whatever instruction set they find.
 //!
 //! Steps are meant to be so with `enhanced-determinism`. What differs without it are sine and cosine, which come from the
 //! platform, and sums over the components of quaternions, whose order depends on the processor's vectors. Links of multibodies

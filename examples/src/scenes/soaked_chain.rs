@@ -16,8 +16,8 @@ use rapier3d::pipeline::PhysicsWorld;
 const PAUSE: [usize; 2] = [60, 1200];
 /// Greatest speed (m/s) that a push gives along each axis to a ring and all below it.
 ///
-/// Rings then move by less than half the thickness of their wire against each other in a step. With twice as much a chain of rings of
-/// 150 spheres parted after 900 s.
+/// A push alone then moves rings by less than half the thickness of their wire against each other in a step. With twice as much a
+/// chain of rings of 150 spheres parted after 900 s; an hour with this value was not run yet.
 const PUSH: f32 = 1.0;
 
 /// Greatest stretch (%) that passes, where links pull hardest after a push.
