@@ -87,10 +87,10 @@ impl Differences {
 fn by(engine: Engine, [a, b]: [&InnerSphereTree; 2], pose: &Pose3) -> [Overlap; 3] {
     LAWS.map(|law| {
         let query = OverlapQuery { law, stiffness: true, engine };
-        let overlap = a.overlap_with(b, pose, query, &mut OverlapWorkspace::default());
+        let mut overlap = a.overlap_with(b, pose, query, &mut OverlapWorkspace::default());
         if law == ForceLaw::VolumeGradient {
             // Its force is the gradient, an area: compared as that.
-            return Overlap { force: glam::Vec3::ZERO, torque: glam::Vec3::ZERO, ..overlap };
+            (overlap.force, overlap.torque) = (glam::Vec3::ZERO, glam::Vec3::ZERO);
         }
         overlap
     })

@@ -12,6 +12,7 @@ use core::f64::consts::PI;
 
 /// The intersection of two balls, on the line from the first centre to the second.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Lens {
     /// Volume (m³).
     pub volume: f64,

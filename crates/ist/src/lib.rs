@@ -175,13 +175,13 @@ pub use grid::SphereGrid;
 pub use overlap::{Budget, OverlapEstimate, TimeCriticalWorkspace};
 pub use overlap::{
     ContactSample, DeepestPair, Engine, ForceLaw, Overlap, OverlapCache, OverlapPair, OverlapQuery,
-    OverlapWorkspace, Stiffness, overlap_batch,
+    OverlapWorkspace, StiffnessMatrix, overlap_batch,
 };
 pub use packing::{PackingError, SpherePacking};
 pub use patches::ContactPatch;
 pub use proximity::{
     BallContact, BallKind, DistanceOptions, Impact, ImpactOptions, NearestSphere, Penetration,
-    ProximityWorkspace, Ray, RayHit, RigidMotion, Separation, SurfaceGap, TimeOfImpact,
+    ProximityWorkspace, Ray, RayHit, RigidMotion, Separation, SurfaceSeparation, TimeOfImpact,
 };
 pub use signed_distance::{SignedDistance, SurfaceDistance};
 pub use solid::SolidProperties;

@@ -12,6 +12,7 @@ pub use proximity::{ReferenceDistance, distance};
 
 /// Overlap by brute force over all pairs of spheres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct ReferenceOverlap {
     /// Penetration volume (m³).
     pub volume: f64,

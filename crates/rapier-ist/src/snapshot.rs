@@ -38,6 +38,8 @@ pub fn save<T>(world: &mut PhysicsWorld, write: impl FnOnce(&PhysicsWorld) -> T)
 }
 
 /// A copy of `colliders` that Rapier can serialise: each [`IstShape`] is replaced by its bounding ball.
+///
+/// For who keeps Rapier's sets without a [`PhysicsWorld`], which [`save`] takes.
 #[must_use]
 pub fn stand_ins(colliders: &ColliderSet) -> ColliderSet {
     let mut copy = colliders.clone();

@@ -64,7 +64,8 @@ impl Case<'_> {
         let query = OverlapQuery::default();
         let cached = self.a.overlap_cached(self.b, &self.pose, query, (&mut cache, &mut workspace));
         assert_eq!(cached, Overlap::default());
-        let nothing = OverlapEstimate { complete: true, ..OverlapEstimate::default() };
+        let mut nothing = OverlapEstimate::default();
+        nothing.complete = true;
         assert_eq!(self.within(7, &mut TimeCriticalWorkspace::default()), nothing);
         let (mut samples, mut patches) = (Vec::new(), Vec::new());
         self.a.contact_samples(self.b, &self.pose, &mut workspace, &mut samples);
@@ -128,7 +129,8 @@ impl Case<'_> {
     fn interval_holds(&self) {
         let full = self.overlap(OverlapQuery { engine: Engine::Tree, ..OverlapQuery::default() });
         let mut workspace = TimeCriticalWorkspace::default();
-        let mut last = OverlapEstimate { upper: f32::INFINITY, ..OverlapEstimate::default() };
+        let mut last = OverlapEstimate::default();
+        last.upper = f32::INFINITY;
         for budget in [0, 1, 3, 10, 100, 1_000, u32::MAX] {
             let now = self.within(budget, &mut workspace);
             assert_no_nan(&now.expected);
@@ -148,9 +150,9 @@ impl Case<'_> {
         let bounds = Bounds::new(self);
         bounds.contain(&full, "A");
         let back = self.pose.inverse();
-        let other = self.b.overlap(self.a, &back, &mut OverlapWorkspace::default());
-        let seen_from_a = Overlap { gradient: self.pose.rotation * -other.gradient, ..other };
-        bounds.contain(&seen_from_a, "B");
+        let mut other = self.b.overlap(self.a, &back, &mut OverlapWorkspace::default());
+        other.gradient = self.pose.rotation * -other.gradient;
+        bounds.contain(&other, "B");
     }
 }
 

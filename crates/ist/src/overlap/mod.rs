@@ -36,7 +36,7 @@ use relative_pose::RelativePose;
 pub use samples::ContactSample;
 use samples::LensSink;
 pub(crate) use samples::direction;
-pub use stiffness::Stiffness;
+pub use stiffness::StiffnessMatrix;
 #[cfg(feature = "std")]
 pub use time_critical::{Budget, OverlapEstimate, TimeCriticalWorkspace};
 use totals::{Totals, TotalsSink};
@@ -47,6 +47,7 @@ pub use workspace::OverlapWorkspace;
 ///
 /// Forces are for a stiffness of 1 N/m³; multiply by your own. All fields are zero where nothing overlaps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Overlap {
     /// Penetration volume (m³), from the volume balls, see [`InnerSphere::volume_ball`](crate::InnerSphere::volume_ball).
     pub volume: f32,
@@ -61,7 +62,7 @@ pub struct Overlap {
     /// Torque on B about [`Self::centroid`] (N·m for 1 N/m³) by the force law; A feels the opposite.
     pub torque: Vec3,
     /// How the wrench of the volume's gradient answers to displacements of B, if [`OverlapQuery::stiffness`] asked for it.
-    pub stiffness: Option<Stiffness>,
+    pub stiffness: Option<StiffnessMatrix>,
     /// The deepest of the overlapping pairs of spheres, where there is one.
     pub deepest: Option<DeepestPair>,
     /// Overlapping pairs of spheres.
@@ -72,6 +73,7 @@ pub struct Overlap {
 
 /// Two overlapping spheres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct DeepestPair {
     /// Indices of the spheres in the packings of A and B.
     pub spheres: [usize; 2],

@@ -27,7 +27,7 @@ use glam::{DMat3, DVec3, Mat3};
 /// At the distances of two spheres' centres where their contact begins or one of them is wholly inside, V has no second
 /// derivative and this is the one from one side; pairs with coincident centres count as nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stiffness {
+pub struct StiffnessMatrix {
     /// By two translations (N/m for 1 N/m³).
     pub translation: Mat3,
     /// By a translation (row) and a rotation (column), N/rad for 1 N/m³.
@@ -36,7 +36,7 @@ pub struct Stiffness {
     pub rotation: Mat3,
 }
 
-impl Stiffness {
+impl StiffnessMatrix {
     /// All six rows and columns: three of translation, three of rotation.
     #[must_use]
     pub fn to_rows(&self) -> [[f32; 6]; 6] {
@@ -96,7 +96,7 @@ impl StiffnessSum {
     }
 
     /// H about `pivot`, each sum shifted by r ↦ r − pivot, with A at `scale`; `force` is Σ A n.
-    pub(super) fn about(&self, pivot: DVec3, force: DVec3, scale: f64) -> Stiffness {
+    pub(super) fn about(&self, pivot: DVec3, force: DVec3, scale: f64) -> StiffnessMatrix {
         let cross = cross_matrix(pivot);
         let outer = |a: DVec3, b: DVec3| DMat3::from_cols(a * b.x, a * b.y, a * b.z);
         // m ↦ m − pivot × n.
@@ -110,7 +110,7 @@ impl StiffnessSum {
         let identity = |x: f64| DMat3::from_diagonal(DVec3::splat(x));
         let rotation =
             mm + identity(trace(rr)) - rr + 0.5 * (first + first.transpose()) - identity(trace(first));
-        Stiffness {
+        StiffnessMatrix {
             translation: ((self.nn + identity(self.transverse)) * scale).as_mat3(),
             coupling: ((nm - cross_matrix(r)) * (scale * scale)).as_mat3(),
             rotation: (rotation * (scale * scale * scale)).as_mat3(),

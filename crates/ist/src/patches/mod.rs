@@ -20,6 +20,7 @@ use touching::TouchingSpheres;
 ///
 /// Forces are for a stiffness of 1 N/m³; multiply by your own.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct ContactPatch {
     /// Volume of the region (m³), positive.
     pub volume: f32,

@@ -11,6 +11,7 @@ use glamx::Pose3;
 
 /// Two balls of two trees, nearest to each other or deepest in each other, in A's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct BallContact {
     /// Distance of the balls (m), negative where they meet.
     pub gap: f32,

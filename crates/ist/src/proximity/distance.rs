@@ -17,6 +17,7 @@ use glamx::Pose3;
 /// of the solids, as neither kind of balls covers its solid. Whoever knows how far the surface of either solid
 /// reaches from its nearest ball, h_a and h_b, has the bound `lower_bound − h_a − h_b` for the solids.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Separation {
     /// Distance (m) of the nearest pair of balls that was found; 0 where two balls meet.
     pub distance: f32,

@@ -30,7 +30,7 @@ pub use motion::RigidMotion;
 pub use penetration::Penetration;
 pub use point::NearestSphere;
 pub use ray::{Ray, RayHit};
-pub use surface::SurfaceGap;
+pub use surface::SurfaceSeparation;
 pub use workspace::ProximityWorkspace;
 
 /// Which balls of a packing a query sees.

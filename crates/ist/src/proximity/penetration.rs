@@ -49,6 +49,7 @@ const IMPROVEMENT: f64 = 1e-6;
 
 /// A translation of B that separates two trees, in A's frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Penetration {
     /// After this translation (m) of B no two volume balls meet, rounding of the translated pose to f32 included.
     pub translation: Vec3,

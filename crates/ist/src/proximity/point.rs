@@ -13,6 +13,7 @@ use glam::{DVec3, Vec3};
 
 /// The ball nearest to a point, in the tree's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct NearestSphere {
     /// Index of the sphere in its packing.
     pub sphere: usize,

@@ -27,6 +27,7 @@ pub struct Ray {
 
 /// Where a ray first crosses the surface of a ball, in the tree's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct RayHit {
     /// Time of the hit: the point is `origin + time * direction`.
     pub time: f32,

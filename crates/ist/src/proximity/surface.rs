@@ -12,7 +12,8 @@ use glam::Vec3;
 
 /// The ball of a tree that is nearest to a surface, or deepest behind it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SurfaceGap {
+#[non_exhaustive]
+pub struct SurfaceSeparation {
     /// Distance of the ball from the surface (m), negative where they meet.
     pub gap: f32,
     /// Index of the sphere in its packing.
@@ -25,7 +26,7 @@ pub struct SurfaceGap {
     pub surface: SurfaceDistance,
 }
 
-impl SurfaceGap {
+impl SurfaceSeparation {
     /// The point of the ball nearest to the surface, or deepest behind it (m).
     #[must_use]
     pub fn point_on_ball(&self) -> Vec3 {
@@ -51,7 +52,7 @@ impl InnerSphereTree {
         balls: BallKind,
         max_gap: f32,
         surface: impl SignedDistance,
-    ) -> Option<SurfaceGap> {
+    ) -> Option<SurfaceSeparation> {
         Search { tree: self, balls, surface, enough: f32::NEG_INFINITY }.nearest(max_gap)
     }
 
@@ -71,7 +72,7 @@ struct Search<'a, F> {
 }
 
 impl<F: SignedDistance> Search<'_, F> {
-    fn nearest(&mut self, max_gap: f32) -> Option<SurfaceGap> {
+    fn nearest(&mut self, max_gap: f32) -> Option<SurfaceSeparation> {
         let tree = self.tree;
         let data = tree.data();
         let (mut limit, mut best) = (max_gap, None);
@@ -86,7 +87,7 @@ impl<F: SignedDistance> Search<'_, F> {
                 continue;
             }
             let end = data.levels[level - 1].len().min((node + 1) * WIDTH);
-            let mut nearest: Option<(SurfaceGap, (usize, usize))> = None;
+            let mut nearest: Option<(SurfaceSeparation, (usize, usize))> = None;
             for child in node * WIDTH..end {
                 let (center, radius) = ball(tree, self.balls, (level - 1, child));
                 if parent.surface.distance - parent.center.distance(center) - radius >= limit {
@@ -121,14 +122,14 @@ impl<F: SignedDistance> Search<'_, F> {
     }
 
     /// `None` where the gap is certainly not less than `limit`, and where the distance is no number.
-    fn see(&mut self, (level, node): (usize, usize), limit: f32) -> Option<SurfaceGap> {
+    fn see(&mut self, (level, node): (usize, usize), limit: f32) -> Option<SurfaceSeparation> {
         let (center, radius) = ball(self.tree, self.balls, (level, node));
         // Touching counts where the limit is the least above 0.
         let reach = (limit + radius).next_up();
         let surface = self.surface.distance_within(center, reach);
         let gap = surface.distance - radius;
         let sphere = if level == 0 { self.tree.packing_index(node) } else { 0 };
-        (surface.distance < reach).then_some(SurfaceGap { gap, sphere, center, radius, surface })
+        (surface.distance < reach).then_some(SurfaceSeparation { gap, sphere, center, radius, surface })
     }
 }
 

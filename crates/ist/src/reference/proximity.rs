@@ -6,6 +6,7 @@ use glamx::Pose3;
 
 /// The nearest pair of balls.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ReferenceDistance {
     /// Distance of the balls (m), negative where they meet.
     pub gap: f64,

@@ -32,6 +32,7 @@ const MARGIN: f64 = 1e-5;
 
 /// What a query within a budget has found; units and frames as in [`Overlap`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct OverlapEstimate {
     /// The expected overlap, with a volume within the bounds and no stiffness. Its `pairs` and `deepest` are those of the
     /// pairs that were looked at; its `intersects` is certain if true, and if false only when the query is complete.
