@@ -334,3 +334,14 @@ fn truncated_files_never_panic() {
         }
     }
 }
+
+#[test]
+fn issue_a_binary_file_shorter_than_its_header_is_refused() {
+    let folder = TempDir::new().unwrap();
+    for length in 0..12_u32 {
+        let mut bytes = glb();
+        bytes[8..12].copy_from_slice(&length.to_le_bytes());
+        let error = TriangleMesh::load(file(&folder, "short.glb", bytes)).unwrap_err().to_string();
+        assert!(error.contains(&format!("{length} bytes, fewer than the header")), "{error}");
+    }
+}

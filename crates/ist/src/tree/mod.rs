@@ -95,8 +95,9 @@ impl InnerSphereTree {
     #[must_use]
     pub fn scaled(&self, factor: f32) -> Option<Self> {
         let scaled = Self { scale: self.scale * factor, ..self.clone() };
-        let is_number = scaled.scale > 0.0 && scaled.unit() > 0.0;
-        (is_number && scaled.bounding_ball().1.is_finite()).then_some(scaled)
+        let (center, radius) = scaled.bounding_ball();
+        let reach = center.abs().max_element() + radius;
+        (scaled.scale > 0.0 && scaled.unit() > 0.0 && reach.is_finite()).then_some(scaled)
     }
 
     /// The same solid under a skin of `thickness` (m), sharing the hierarchy: every volume ball is that much
@@ -291,6 +292,9 @@ pub(crate) mod tests {
         for (radius, factor) in [(1e10, 1e30), (1e-12, 1e-38)] {
             assert!(tree_of(radius).scaled(factor).is_none(), "{factor} times {radius}");
         }
+        let far = InnerSphere::solid_ball(Vec3::X * 1e20, 1e9, Vec3::X);
+        let far = SpherePacking::new(alloc::vec![far], SolidProperties::ball(1.0)).unwrap();
+        assert!(InnerSphereTree::new(&far).scaled(1e20).is_none(), "its centre is beyond f32");
         let tree = tree_of(1e10).scaled(1e27).unwrap();
         assert!(tree.nearest_sphere(Vec3::ZERO, crate::BallKind::Inner).unwrap().distance.is_finite());
     }

@@ -11,6 +11,7 @@ use gltf::{Gltf, Node, Primitive, Semantic};
 use std::path::Path;
 
 pub(super) fn parse(bytes: &[u8], folder: &Path) -> Parsed {
+    check_length(bytes)?;
     let gltf = Gltf::from_slice(bytes).map_err(|error| error.to_string())?;
     let buffers = gltf
         .buffers()
@@ -33,6 +34,18 @@ pub(super) fn parse(bytes: &[u8], folder: &Path) -> Parsed {
         open.extend(node.children().map(|child| (child, pose)));
     }
     Ok(mesh)
+}
+
+/// The crate gltf subtracts the header's size from the length that a binary file claims, whatever that is.
+fn check_length(bytes: &[u8]) -> Result<(), String> {
+    const HEADER: usize = 12;
+    let Some(length) = bytes.strip_prefix(b"glTF").and_then(|rest| rest.get(4..8)) else { return Ok(()) };
+    match u32::from_le_bytes([length[0], length[1], length[2], length[3]]) as usize {
+        length if length < HEADER => {
+            Err(format!("the header says that the file has {length} bytes, fewer than the header itself"))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Composed in double precision, which keeps rotated right angles right.

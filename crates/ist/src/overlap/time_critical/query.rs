@@ -16,6 +16,8 @@ pub(super) struct Query<'a> {
     pub(super) pose: &'a RelativePose,
     /// How far rounding moves a centre of B at most (m).
     pub(super) rounding: f32,
+    /// Overlap volume (m³) that sums over nodes may lack or have too much of, because volumes of spheres vanish in f32.
+    pub(super) vanishing: f64,
 }
 
 /// One of the trees.
@@ -55,6 +57,7 @@ impl<'a> Query<'a> {
             b: Side { tree: b, sums: sums_b, scale: pose.scale, skin: pose.skin_b, depth: depth_b },
             pose,
             rounding,
+            vanishing: vanishing_volume(a, b, pose.scale),
         }
     }
 
@@ -63,6 +66,13 @@ impl<'a> Query<'a> {
     pub(super) fn enlargement(&self) -> f32 {
         2.0 * self.rounding
     }
+}
+
+/// Every pair's volume may be less than f32 holds in the unit of either tree.
+fn vanishing_volume(a: &TreeData, b: &TreeData, scale: f32) -> f64 {
+    let pairs = a.levels[0].len() as f64 * b.levels[0].len() as f64;
+    let scale = f64::from(scale);
+    pairs * f64::from(f32::MIN_POSITIVE) * (scale * scale * scale).max(1.0)
 }
 
 /// What bounds and expected values need to know about a node.

@@ -53,8 +53,9 @@ pub(super) fn search<S: Simd>(
     search.begin(simd);
     let complete = loop {
         let (sums, volume) = (&search.workspace.frontier.sums, search.resolved.totals.volume);
-        lower = lower.max(volume + sums.lower - sums.rounding());
-        upper = upper.min(volume + sums.upper + sums.rounding());
+        let slack = sums.rounding() + query.vanishing;
+        lower = lower.max(volume + sums.lower - slack);
+        upper = upper.min(volume + sums.upper + slack);
         let Some(len) = search.workspace.frontier.next_len() else {
             search.settle(simd);
             break true;

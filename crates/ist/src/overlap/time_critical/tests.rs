@@ -212,6 +212,14 @@ fn a_tiny_packing_far_from_its_origin() {
 }
 
 #[test]
+fn issue_a_sphere_whose_volume_vanishes_in_its_packing_is_bounded() {
+    let [small, far] = [(Vec3::ZERO, 1e-4), (Vec3::X * 1e15, 1.0)];
+    let sphere = |(center, radius)| InnerSphere::solid_ball(center, radius, Vec3::Y);
+    let (a, b) = (balls(1, 1.0), tree(alloc::vec![sphere(small), sphere(far)]));
+    check(&a, &b, &Pose3::IDENTITY);
+}
+
+#[test]
 fn useless_poses_give_no_overlap() {
     let solid = balls(1, 1.0);
     for pose in [
