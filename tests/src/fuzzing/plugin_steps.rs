@@ -112,7 +112,7 @@ impl Run {
     }
 
     fn join(&mut self, u: &mut Unstructured, handle: RigidBodyHandle) {
-        let is_dynamic = |handle| self.world.bodies[handle].is_dynamic();
+        let is_dynamic = |handle: RigidBodyHandle| self.world.bodies[handle].is_dynamic();
         let other = self.pick(u).filter(|other| *other != handle && (is_dynamic(handle) || is_dynamic(*other)));
         let Some(other) = other else { return };
         let (anchor, contacts) = (moderate_vector(u) * 0.125, raw(u));
