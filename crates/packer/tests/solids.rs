@@ -170,6 +170,49 @@ fn issue_overlapping_cubes_are_one_solid_and_no_cavity() {
     }
 }
 
+/// Two parts with a common edge, of which one cuts itself. Shells are turned to agree within, and then the faces at the edge
+/// no longer told where material is: what was mended was refused when it was read again.
+#[test]
+fn issue_faces_at_a_common_edge_still_tell_where_material_is_when_they_are_turned() {
+    let vertices = [
+        [0.0, 0.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [0.0, 1.0, 1.0],
+        [0.0, 1.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 1.0],
+        [1.0, 6.0, 2.0],
+        [0.5, 0.25, 0.125],
+        [0.5, 1.25, 0.125],
+        [0.5, 1.25, 2.125],
+        [0.5, 0.25, 1.125],
+    ];
+    let one = [[0, 1, 2], [0, 2, 3], [4, 3, 2], [4, 2, 1], [0, 4, 1], [0, 3, 4]];
+    let other = [
+        [4, 2, 5],
+        [4, 5, 6],
+        [7, 8, 9],
+        [7, 9, 10],
+        [4, 7, 10],
+        [4, 10, 2],
+        [6, 5, 9],
+        [6, 9, 8],
+        [4, 6, 8],
+        [4, 8, 7],
+        [2, 10, 9],
+        [2, 9, 5],
+    ];
+    let triangles = one.into_iter().chain(other).collect();
+    let mesh = TriangleMesh { vertices: vertices.map(DVec3::from_array).to_vec(), triangles };
+    match Solid::new(&mesh) {
+        Ok(solid) => {
+            let again = Solid::new(solid.mesh()).unwrap().properties().volume;
+            assert!((solid.properties().volume - again).abs() < 1e-12);
+        }
+        Err(error) => assert!(matches!(error, MeshError::NonManifoldEdges { faces: 4, .. }), "{error}"),
+    }
+}
+
 #[test]
 fn parts_that_touch_along_an_edge_are_a_solid() {
     // Two cubes with a common edge; two with a common wall, cut along the one and the other diagonal.

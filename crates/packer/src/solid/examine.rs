@@ -1,7 +1,7 @@
 //! From triangles to a diagnosis and, if they enclose something, to its surface.
 
 use super::bvh::Bvh;
-use super::diagnosis::{Diagnosis, SIZES};
+use super::diagnosis::{Diagnosis, Findings, SIZES};
 use super::meetings::{self, Meeting};
 use super::plane::TrianglePlane;
 use super::pseudonormals::{FOLD, Pseudonormals};
@@ -52,7 +52,7 @@ pub(super) fn examine(mesh: &TriangleMesh) -> (Diagnosis, Option<Surface>) {
     let ends = |edge: [u32; 2]| edge.map(|vertex| mesh.vertices[vertex as usize]);
     d.open_edges = census.open.iter().map(|edge| ends(*edge)).collect();
     d.holes = topology::holes(&census.open);
-    d.non_manifold_edges = census.non_manifold.iter().map(|(edge, faces)| (ends(*edge), *faces)).collect();
+    d.non_manifold_edges = in_space(&mesh, &census.non_manifold);
     d.shared_edges = census.shared.iter().map(|edge| ends(*edge)).collect();
     let mut neighbours = census.neighbours;
     let orientation = topology::orient_consistently(&mut mesh, &mut neighbours);
@@ -73,12 +73,23 @@ pub(super) fn examine(mesh: &TriangleMesh) -> (Diagnosis, Option<Surface>) {
     d.cavities = outward.cavities;
     d.reversed_shells = outward.is_reversed.iter().filter(|is_reversed| **is_reversed).count();
     let is_turned = |triangle: u32| outward.is_reversed[orientation.shell_of[triangle as usize] as usize];
+    if !census.shared.is_empty() && d.turned_faces + d.reversed_shells > 0 {
+        // Material was on the sides that the faces told before they were turned; it has to be on those that they tell now.
+        d.non_manifold_edges = in_space(&mesh, &topology::edge_census(&mesh).non_manifold);
+        if d.refusal().is_some() {
+            return (d, None);
+        }
+    }
     meetings.iter_mut().for_each(|meeting| meeting.turn(is_turned));
     // Triangles that were turned cross rays the other way.
     let bvh = if d.reversed_shells > 0 { bvh_of(&mesh) } else { bvh };
     let surface = finish(Closed { mesh, neighbours, shared: census.shared }, bvh, &meetings, &mut d);
     let is_solid = d.refusal().is_none();
     (d, is_solid.then_some(surface))
+}
+
+fn in_space(mesh: &TriangleMesh, edges: &[([u32; 2], usize)]) -> Findings<([DVec3; 2], usize)> {
+    edges.iter().map(|(edge, faces)| (edge.map(|vertex| mesh.vertices[vertex as usize]), *faces)).collect()
 }
 
 /// Leaves out what nothing can be said about: faces at vertices that do not exist or are not finite.
