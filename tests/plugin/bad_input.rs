@@ -229,3 +229,21 @@ fn bodies_much_smaller_than_their_fall_in_a_step_stay_finite() {
     }
     assert!(height(&world, body).abs() < 0.2, "{}", height(&world, body));
 }
+
+/// Forces are solved for in double precision, and were reported as infinite where single precision does not hold them.
+#[test]
+fn issue_forces_beyond_single_precision_are_left_out() {
+    for (mass, speed) in [(1e6, 1e33), (1e20, 1e20), (1e30, 1e10), (1.0, 1e38)] {
+        let (mut world, mut plugin) = weightless();
+        let lifted = RigidBodyBuilder::kinematic_velocity_based().linvel(Vector::Y * speed);
+        world.insert(lifted, ball_collider());
+        world.insert(dynamic(Vector::Y * RADIUS), ball().into_collider().mass(mass));
+        for _ in 0..3 {
+            for contact in &plugin.step(&mut world).contacts {
+                let vectors = [contact.force, contact.torque, contact.relative_velocity];
+                assert!(vectors.iter().all(|v| v.is_finite()), "{mass} kg, {speed} m/s: {contact:?}");
+            }
+            assert_finite(&world, (mass, speed));
+        }
+    }
+}

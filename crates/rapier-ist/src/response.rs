@@ -95,7 +95,10 @@ fn collect(
     let mut sums = vec![Screw::ZERO; bodies.states.len()];
     for Solved { pair, contacts: solved, twist, relative_velocity } in solved {
         let (origin, wrench) = (solved.origin, solved.wrench(twist));
-        if !wrench.is_finite() {
+        let mut of_patches = solved.patches.iter().flat_map(|patch| {
+            [patch.wrench(twist).wrench_from(-patch.arm), relative_velocity.twist_at(patch.arm)]
+        });
+        if !(wrench.fits_f32() && relative_velocity.fits_f32() && of_patches.all(Screw::fits_f32)) {
             continue;
         }
         let [a, b] = pairs[pair];

@@ -21,6 +21,11 @@ impl Screw {
         self.linear.is_finite() && self.angular.is_finite()
     }
 
+    /// Whether it is finite in the precision of Rapier, too.
+    pub(crate) fn fits_f32(self) -> bool {
+        self.linear.as_vec3().is_finite() && self.angular.as_vec3().is_finite()
+    }
+
     /// The same motion as a point displaced by `arm` sees it.
     pub(crate) fn twist_at(self, arm: DVec3) -> Self {
         Self { linear: self.linear + self.angular.cross(arm), angular: self.angular }
