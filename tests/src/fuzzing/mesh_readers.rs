@@ -90,7 +90,7 @@ fn check_again(solid: &Solid) {
 }
 
 fn check_packing(solid: &Solid) {
-    let mut options = PackOptions::fast().spheres(6).time_limit(Duration::from_millis(500));
+    let mut options = PackOptions::fast().spheres(6).time_limit(Duration::from_millis(200));
     options.samples_per_sphere = 16;
     options.measure_quality = false;
     match pack(solid, &options) {
