@@ -2,8 +2,8 @@
 //!
 //! Bodies of all kinds with trees and with Rapier's own shapes, joints, and a script of steps, insertions, removals and
 //! changes between them. Whatever the finite numbers: no panic, no body lost, nothing that is not finite in bodies that
-//! Rapier keeps enabled or in reports; fixed bodies stay, and forces of the user are what they were. With usual numbers and no
-//! joints no body is disabled.
+//! Rapier keeps enabled or in reports, but for velocities that Rapier makes of manifolds; fixed bodies stay, and forces of the user
+//! are what they were. With usual numbers and no joints no body is disabled.
 
 mod scene;
 
@@ -147,8 +147,11 @@ impl Run {
             (self.world.bodies.len(), self.world.colliders.len()),
             (self.bodies.len(), self.colliders)
         );
+        // Of manifolds Rapier makes velocities, and those of bodies next to no mass may be too large for it.
+        let is_ours = !self.extremes.0 || matches!(self.plugin.model, ContactModel::VolumePenalty(_));
         for (handle, before) in self.bodies.iter().zip(before) {
-            before.check(&self.world.bodies[*handle], !self.extremes.0 && !self.has_joints);
+            let body = &self.world.bodies[*handle];
+            before.check(body, is_ours, !self.extremes.0 && !self.has_joints);
         }
     }
 }
@@ -165,10 +168,11 @@ impl State {
         Self { position: *body.position(), force: body.user_force(), is_enabled: body.is_enabled() }
     }
 
-    fn check(&self, body: &RigidBody, is_usual: bool) {
+    fn check(&self, body: &RigidBody, is_ours: bool, is_usual: bool) {
         if body.is_enabled() {
             // Rapier computes the velocity of a kinematic body from its way, which may be too far for a time step.
-            let moves = !body.is_dynamic() || (body.linvel().is_finite() && body.angvel().is_finite());
+            let moves =
+                !(body.is_dynamic() && is_ours) || (body.linvel().is_finite() && body.angvel().is_finite());
             let what = (body.body_type(), body.linvel(), body.angvel());
             assert!(body.position().is_finite() && moves, "{:?} {what:?}", body.position());
             assert_eq!(body.user_force(), self.force, "a force of the user has changed");
