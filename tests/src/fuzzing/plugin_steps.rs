@@ -2,8 +2,8 @@
 //!
 //! Bodies of all kinds with trees and with Rapier's own shapes, joints, and a script of steps, insertions, removals and
 //! changes between them. Whatever the finite numbers: no panic, no body lost, nothing that is not finite in bodies that
-//! Rapier keeps enabled or in reports, but for velocities that Rapier makes of manifolds; fixed bodies stay, and forces of the user
-//! are what they were. With usual numbers and no joints no body is disabled.
+//! Rapier keeps enabled or in reports, but for velocities that Rapier makes of manifolds and joints; fixed bodies stay, and forces of
+//! the user are what they were. With usual numbers and no joints no body is disabled.
 
 mod scene;
 
@@ -147,8 +147,9 @@ impl Run {
             (self.world.bodies.len(), self.world.colliders.len()),
             (self.bodies.len(), self.colliders)
         );
-        // Of manifolds Rapier makes velocities, and those of bodies next to no mass may be too large for it.
-        let is_ours = !self.extremes.0 || matches!(self.plugin.model, ContactModel::VolumePenalty(_));
+        // Of manifolds and joints Rapier makes velocities, and those of bodies next to no mass may be too large for it.
+        let is_penalty = matches!(self.plugin.model, ContactModel::VolumePenalty(_));
+        let is_ours = !self.extremes.0 || (is_penalty && !self.has_joints);
         for (handle, before) in self.bodies.iter().zip(before) {
             let body = &self.world.bodies[*handle];
             before.check(body, is_ours, !self.extremes.0 && !self.has_joints);
