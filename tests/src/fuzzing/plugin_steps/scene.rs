@@ -57,7 +57,7 @@ pub(super) fn collider(u: &mut Unstructured, extremes: Extremes) -> ColliderBuil
             let parts = [0.0, size].map(|x| (Pose::translation(x, 0.0, 0.0), SharedShape::ball(size)));
             ColliderBuilder::compound(parts.to_vec())
         }
-        _ => tree(u, size),
+        _ => tree(u, size, extremes),
     };
     let builder = match below(u, 4) {
         0 => builder.mass(extremes.positive(u)),
@@ -87,8 +87,13 @@ fn tetrahedron(size: Real) -> ColliderBuilder {
 }
 
 /// A tree of about the given size.
-fn tree(u: &mut Unstructured, size: Real) -> ColliderBuilder {
+fn tree(u: &mut Unstructured, size: Real, extremes: Extremes) -> ColliderBuilder {
     let shape = IstShape::from_packing(&packing(u));
-    let scale = size / shape.tree().bounding_ball().1;
+    let (center, radius) = shape.tree().bounding_ball();
+    // Packings have the mass of a ball about their frame's origin that reaches as far as they do: it may be that of a moon.
+    if !extremes.0 && center.length() > 4.0 * radius {
+        return ColliderBuilder::ball(size);
+    }
+    let scale = size / radius;
     shape.scaled(scale).unwrap_or(shape).into_collider()
 }
