@@ -170,6 +170,15 @@ fn issue_overlapping_cubes_are_one_solid_and_no_cavity() {
     }
 }
 
+/// Its faces cover each other, nothing is left of them, and a hierarchy over nothing was built.
+#[test]
+fn issue_a_flat_tetrahedron_has_no_volume() {
+    let vertices = [[0.0, 0.0, 0.0], [3.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.1, 0.1, 0.0]];
+    let triangles = vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];
+    let mesh = TriangleMesh { vertices: vertices.map(DVec3::from_array).to_vec(), triangles };
+    assert!(matches!(Solid::new(&mesh), Err(MeshError::ZeroVolume { .. })));
+}
+
 /// Two parts with a common edge, of which one cuts itself. Shells are turned to agree within, and then the faces at the edge
 /// no longer told where material is: what was mended was refused when it was read again.
 #[test]

@@ -85,7 +85,7 @@ pub(super) fn examine(mesh: &TriangleMesh) -> (Diagnosis, Option<Surface>) {
     let bvh = if d.reversed_shells > 0 { bvh_of(&mesh) } else { bvh };
     let surface = finish(Closed { mesh, neighbours, shared: census.shared }, bvh, &meetings, &mut d);
     let is_solid = d.refusal().is_none();
-    (d, is_solid.then_some(surface))
+    (d, surface.filter(|_| is_solid))
 }
 
 fn in_space(mesh: &TriangleMesh, edges: &[([u32; 2], usize)]) -> Findings<([DVec3; 2], usize)> {
@@ -178,8 +178,8 @@ struct Closed {
     shared: Vec<[u32; 2]>,
 }
 
-/// From the whole surface to what bounds its union.
-fn finish(closed: Closed, bvh: Bvh, meetings: &[Meeting], d: &mut Diagnosis) -> Surface {
+/// From the whole surface to what bounds its union, if anything does.
+fn finish(closed: Closed, bvh: Bvh, meetings: &[Meeting], d: &mut Diagnosis) -> Option<Surface> {
     let Closed { mesh, neighbours, shared } = closed;
     // Several faces are equally near there, and they need not agree.
     let mut is_shared = vec![false; mesh.vertices.len()];
@@ -192,7 +192,7 @@ fn finish(closed: Closed, bvh: Bvh, meetings: &[Meeting], d: &mut Diagnosis) -> 
     if meetings.is_empty() {
         d.volume = Some(by_shells.volume);
         let pseudonormals = Pseudonormals::new(&mesh, &neighbours, at_shared_edge);
-        return Surface { mesh, closed: None, bvh, uncut: None, pseudonormals, properties: by_shells };
+        return Some(Surface { mesh, closed: None, bvh, uncut: None, pseudonormals, properties: by_shells });
     }
     let visible = visible::visible(&mesh, &neighbours, &bvh, meetings);
     let mut is_whole = vec![false; mesh.triangles.len()];
@@ -207,13 +207,16 @@ fn finish(closed: Closed, bvh: Bvh, meetings: &[Meeting], d: &mut Diagnosis) -> 
     d.uncut_faces = visible.uncut;
     d.volume = Some(properties.volume);
     d.overlap_volume = by_shells.volume - properties.volume;
+    if visible.mesh.triangles.is_empty() {
+        return None;
+    }
     let uncut = (visible.uncut > 0).then_some(bvh);
-    Surface {
+    Some(Surface {
         bvh: bvh_of(&visible.mesh),
         mesh: visible.mesh,
         closed: Some(mesh),
         uncut,
         pseudonormals,
         properties,
-    }
+    })
 }
