@@ -213,13 +213,7 @@ fn issue_faces_at_a_common_edge_still_tell_where_material_is_when_they_are_turne
     ];
     let triangles = one.into_iter().chain(other).collect();
     let mesh = TriangleMesh { vertices: vertices.map(DVec3::from_array).to_vec(), triangles };
-    match Solid::new(&mesh) {
-        Ok(solid) => {
-            let again = Solid::new(solid.mesh()).unwrap().properties().volume;
-            assert!((solid.properties().volume - again).abs() < 1e-12);
-        }
-        Err(error) => assert!(matches!(error, MeshError::NonManifoldEdges { faces: 4, .. }), "{error}"),
-    }
+    assert!(matches!(Solid::new(&mesh), Err(MeshError::NonManifoldEdges { faces: 4, .. })));
 }
 
 #[test]

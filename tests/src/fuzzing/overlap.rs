@@ -229,7 +229,7 @@ impl Bounds {
     /// As the solid `seen_from` of size `unit` (m) sees it.
     fn contain(&self, overlap: &Overlap, (seen_from, unit): (&str, f64)) {
         let volume = f64::from(overlap.volume);
-        // Volumes of single pairs, in the unit of the solid, may have next to no digits left.
+        // Volumes of single pairs, in the unit of the solid, may have next to no digits left: f32 ends at 1.4e-45.
         let vanishing = 1e-42 * f64::from(overlap.pairs) * unit.powi(3) + 1e-44;
         let rounding = 2e-5;
         assert!(

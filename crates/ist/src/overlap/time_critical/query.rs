@@ -68,7 +68,7 @@ impl<'a> Query<'a> {
     }
 }
 
-/// Every pair's volume may be less than f32 holds in the unit of either tree.
+/// Every pair's volume may be less than f32 holds in the unit of either tree; that of B is `scale` of A's.
 fn vanishing_volume(a: &TreeData, b: &TreeData, scale: f32) -> f64 {
     let pairs = a.levels[0].len() as f64 * b.levels[0].len() as f64;
     let scale = f64::from(scale);
