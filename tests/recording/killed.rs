@@ -7,11 +7,11 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// Bytes of a chunk before compression; a step of the small pile has two to four thousand.
+/// Bytes of a chunk before compression; a step of the small pile has two to four thousand while bodies touch.
 const CHUNK_SIZE: usize = 20_000;
-/// Steps that a chunk of this size has at most: before anything touches anything, a step is one message with seven poses
-/// and three small ones.
-const STEPS_PER_CHUNK: usize = 20;
+/// Steps that a chunk of this size has at most, counted in 3,500 chunks: while nothing touches, before the fall and asleep,
+/// a step is little more than seven poses.
+const STEPS_PER_CHUNK: usize = 26;
 /// Entries that may wait for a background recorder's thread, four of which are a step.
 const STEPS_IN_QUEUE: usize = 17;
 

@@ -3,13 +3,13 @@
 //! Bodies of all kinds with trees and with Rapier's own shapes, joints, and a script of steps, insertions, removals and
 //! changes between them. Whatever the finite numbers: no panic, no body lost, nothing that is not finite in bodies that
 //! Rapier keeps enabled or in reports, but for velocities that Rapier makes of manifolds and joints; fixed bodies stay, and forces of
-//! the user are what they were. With usual numbers and no joints no body is disabled.
+//! the user are what they were. With usual numbers, no joints and no manifolds on held bodies, none is disabled.
 
 mod scene;
 
 use super::numbers::{below, finite_float, moderate, moderate_vector, pose, power_of_two, raw};
 use arbitrary::Unstructured;
-use rapier_ist::{ContactModel, IstPlugin, StepReport, Stiffness, VolumePenalty};
+use rapier_ist::{ContactModel, IstPlugin, IstShape, StepReport, Stiffness, VolumePenalty};
 use rapier3d::prelude::*;
 use scene::{Extremes, body, collider};
 
@@ -43,6 +43,9 @@ struct Run {
     steps: u32,
     extremes: Extremes,
     has_joints: bool,
+    /// Whether Rapier's contacts hold a body whose translations are locked: through its centre they find next to no mass
+    /// there, only rounding errors of the lever, and turn it at millions of radians a second, as they do without the plugin.
+    spins_held_bodies: bool,
 }
 
 impl Run {
@@ -57,13 +60,26 @@ impl Run {
         if extremes.0 {
             world.integration_parameters.dt = extreme_time_step(u);
         }
-        Self { world, plugin, bodies: Vec::new(), colliders: 0, steps: 0, extremes, has_joints: false }
+        Self {
+            world,
+            plugin,
+            bodies: Vec::new(),
+            colliders: 0,
+            steps: 0,
+            extremes,
+            has_joints: false,
+            spins_held_bodies: false,
+        }
     }
 
     fn insert(&mut self, u: &mut Unstructured) {
         let body = self.world.insert_body(body(u, self.extremes));
         for _ in 0..[1, 1, 1, 0, 2][usize::from(below(u, 5))] {
-            self.world.insert_collider(collider(u, self.extremes), Some(body));
+            let collider = self.world.insert_collider(collider(u, self.extremes), Some(body));
+            let is_solved_here = self.world.colliders[collider].shape().as_shape::<IstShape>().is_some()
+                && matches!(self.plugin.model, ContactModel::VolumePenalty(_));
+            let locked = self.world.bodies[body].locked_axes();
+            self.spins_held_bodies |= !is_solved_here && locked.intersects(LockedAxes::TRANSLATION_LOCKED);
             self.colliders += 1;
         }
         self.bodies.push(body);
@@ -152,7 +168,7 @@ impl Run {
         let is_ours = !self.extremes.0 || (is_penalty && !self.has_joints);
         for (handle, before) in self.bodies.iter().zip(before) {
             let body = &self.world.bodies[*handle];
-            before.check(body, is_ours, !self.extremes.0 && !self.has_joints);
+            before.check(body, is_ours, !(self.extremes.0 || self.has_joints || self.spins_held_bodies));
         }
     }
 }
