@@ -28,8 +28,15 @@ pub(super) struct Surface {
     pub(super) properties: SolidProperties,
 }
 
+/// Most times that the faces at shared edges are turned. Two do for a mesh that is inside out as a whole.
+const ROUNDS: usize = 4;
+
 /// Finds everything that there is to say about `mesh`, and its surface if it is a solid.
 pub(super) fn examine(mesh: &TriangleMesh) -> (Diagnosis, Option<Surface>) {
+    examine_in(ROUNDS, mesh)
+}
+
+fn examine_in(rounds: usize, mesh: &TriangleMesh) -> (Diagnosis, Option<Surface>) {
     let mut d = Diagnosis {
         input_vertices: mesh.vertices.len(),
         input_triangles: mesh.triangles.len(),
@@ -74,11 +81,7 @@ pub(super) fn examine(mesh: &TriangleMesh) -> (Diagnosis, Option<Surface>) {
     d.reversed_shells = outward.is_reversed.iter().filter(|is_reversed| **is_reversed).count();
     let is_turned = |triangle: u32| outward.is_reversed[orientation.shell_of[triangle as usize] as usize];
     if !census.shared.is_empty() && d.turned_faces + d.reversed_shells > 0 {
-        // Material was on the sides that the faces told before they were turned; it has to be on those that they tell now.
-        d.non_manifold_edges = in_space(&mesh, &topology::edge_census(&mesh).non_manifold);
-        if d.refusal().is_some() {
-            return (d, None);
-        }
+        return once_more(&mesh, &census.shared, d, rounds);
     }
     meetings.iter_mut().for_each(|meeting| meeting.turn(is_turned));
     // Triangles that were turned cross rays the other way.
@@ -86,6 +89,36 @@ pub(super) fn examine(mesh: &TriangleMesh) -> (Diagnosis, Option<Surface>) {
     let surface = finish(Closed { mesh, neighbours, shared: census.shared }, bvh, &meetings, &mut d);
     let is_solid = d.refusal().is_none();
     (d, surface.filter(|_| is_solid))
+}
+
+/// Examines faces that were turned. Which ones bound a wedge of material at a shared edge was read from the sides that
+/// they told before; told anew, other faces belong together, and so the shells are others.
+fn once_more(
+    turned: &TriangleMesh,
+    shared: &[[u32; 2]],
+    first: Diagnosis,
+    rounds: usize,
+) -> (Diagnosis, Option<Surface>) {
+    if rounds <= 1 {
+        let has =
+            |edge: &[u32; 2]| turned.triangles.iter().filter(|t| edge.iter().all(|v| t.contains(v))).count();
+        let edges: Vec<_> = shared.iter().map(|edge| (*edge, has(edge))).collect();
+        return (Diagnosis { non_manifold_edges: in_space(turned, &edges), ..first }, None);
+    }
+    let (again, surface) = examine_in(rounds - 1, turned);
+    let d = Diagnosis {
+        input_vertices: first.input_vertices,
+        input_triangles: first.input_triangles,
+        unused_vertices: first.unused_vertices,
+        merged_vertices: first.merged_vertices,
+        degenerate_faces: first.degenerate_faces,
+        duplicate_faces: first.duplicate_faces,
+        paired_faces: first.paired_faces,
+        turned_faces: first.turned_faces + again.turned_faces,
+        reversed_shells: first.reversed_shells + again.reversed_shells,
+        ..again
+    };
+    (d, surface)
 }
 
 fn in_space(mesh: &TriangleMesh, edges: &[([u32; 2], usize)]) -> Findings<([DVec3; 2], usize)> {
