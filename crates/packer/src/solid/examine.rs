@@ -7,7 +7,7 @@ use super::plane::TrianglePlane;
 use super::pseudonormals::{FOLD, Pseudonormals};
 use super::shells::{self, Overlaps};
 use super::topology::{self, EdgeCensus, NONE, Neighbours};
-use super::weld::{self, Repeated, Welding};
+use super::weld::{self, Repeated};
 use super::{mass, visible};
 use crate::TriangleMesh;
 use glam::DVec3;
@@ -28,7 +28,8 @@ pub(super) struct Surface {
     pub(super) properties: SolidProperties,
 }
 
-/// Most times that the faces at shared edges are turned. Two do for a mesh that is inside out as a whole.
+/// Most times that a surface with shared edges is turned. Of 200,000 solids of cubes with faces turned at random, corners moved
+/// by up to 0.75 of an edge, none needed more than three; of 20,000 with corners in place none more than two.
 const ROUNDS: usize = 4;
 
 /// Finds everything that there is to say about `mesh`, and its surface if it is a solid.
@@ -36,22 +37,54 @@ pub(super) fn examine(mesh: &TriangleMesh) -> (Diagnosis, Option<Surface>) {
     examine_in(ROUNDS, mesh)
 }
 
+/// Which faces bound a wedge of material at a shared edge is read from the sides that they face. Once some are turned,
+/// other faces belong together and the shells are others: so it is read again until nothing turns.
 fn examine_in(rounds: usize, mesh: &TriangleMesh) -> (Diagnosis, Option<Surface>) {
-    let mut d = Diagnosis {
-        input_vertices: mesh.vertices.len(),
-        input_triangles: mesh.triangles.len(),
-        ..Diagnosis::default()
-    };
-    let (mut mesh, welding, census) = clean(&sound(mesh, &mut d));
+    let (mut mesh, mut census, cleaned) = clean(mesh);
+    let before = mesh.triangles.clone();
+    let mut round = 1;
+    loop {
+        let mut d = cleaned.clone();
+        let Some(closed) = close(mesh, census, &before, &mut d) else { return (d, None) };
+        if closed.shared.is_empty() || !closed.has_turned {
+            let surface = finish(closed, &mut d);
+            let is_solid = d.refusal().is_none();
+            return (d, surface.filter(|_| is_solid));
+        }
+        if round == rounds {
+            d.non_manifold_edges = unsettled(&closed);
+            return (d, None);
+        }
+        mesh = closed.mesh;
+        census = topology::edge_census(&mesh);
+        round += 1;
+    }
+}
+
+/// A closed surface whose shells face outwards.
+struct Closed {
+    mesh: TriangleMesh,
+    neighbours: Neighbours,
+    /// Edges of more than two faces.
+    shared: Vec<[u32; 2]>,
+    bvh: Bvh,
+    meetings: Vec<Meeting>,
+    /// Whether a face was turned for it.
+    has_turned: bool,
+}
+
+/// Turns faces to agree with their neighbours and shells to face outwards; enters what is found on the way. `before` are
+/// the triangles as they were read.
+fn close(
+    mut mesh: TriangleMesh,
+    census: EdgeCensus,
+    before: &[[u32; 3]],
+    d: &mut Diagnosis,
+) -> Option<Closed> {
     d.vertices = mesh.vertices.len();
     d.triangles = mesh.triangles.len();
-    d.unused_vertices = welding.unused_vertices;
-    d.merged_vertices = welding.merged_vertices;
-    d.degenerate_faces = welding.degenerate_faces;
-    d.duplicate_faces = welding.duplicate_faces;
-    d.paired_faces = welding.paired_faces;
     if mesh.triangles.is_empty() {
-        return (d, None);
+        return None;
     }
     let (lower, upper) = mesh.bounds();
     d.bounds = Some((lower, upper));
@@ -59,70 +92,41 @@ fn examine_in(rounds: usize, mesh: &TriangleMesh) -> (Diagnosis, Option<Surface>
     let ends = |edge: [u32; 2]| edge.map(|vertex| mesh.vertices[vertex as usize]);
     d.open_edges = census.open.iter().map(|edge| ends(*edge)).collect();
     d.holes = topology::holes(&census.open);
-    d.non_manifold_edges = in_space(&mesh, &census.non_manifold);
+    d.non_manifold_edges = census.non_manifold.iter().map(|(edge, faces)| (ends(*edge), *faces)).collect();
     d.shared_edges = census.shared.iter().map(|edge| ends(*edge)).collect();
-    let mut neighbours = census.neighbours;
+    let EdgeCensus { mut neighbours, shared, .. } = census;
+    let unturned = mesh.triangles.clone();
     let orientation = topology::orient_consistently(&mut mesh, &mut neighbours);
-    d.turned_faces = orientation.turned;
     d.shells = orientation.shells;
     d.one_sided = orientation.one_sided.into_iter().collect();
+    (d.turned_faces, d.reversed_shells) = topology::turns(before, &mesh.triangles, &orientation.shell_of);
     if !SIZES.contains(&d.size()) {
-        return (d, None);
+        return None;
     }
-    find_flat_and_folded(&mesh, &neighbours, &mut d);
+    find_flat_and_folded(&mesh, &neighbours, d);
     let bvh = bvh_of(&mesh);
     let mut meetings = meetings::find(&mesh, &bvh);
-    let overlaps = sort_meetings(&mesh, &meetings, &orientation.shell_of, &mut d);
+    let overlaps = sort_meetings(&mesh, &meetings, &orientation.shell_of, d);
     if d.refusal().is_some() {
-        return (d, None);
+        return None;
     }
     let outward = shells::face_outward(&mut mesh, &mut neighbours, &orientation.shell_of, &overlaps);
     d.cavities = outward.cavities;
-    d.reversed_shells = outward.is_reversed.iter().filter(|is_reversed| **is_reversed).count();
+    (d.turned_faces, d.reversed_shells) = topology::turns(before, &mesh.triangles, &orientation.shell_of);
     let is_turned = |triangle: u32| outward.is_reversed[orientation.shell_of[triangle as usize] as usize];
-    if !census.shared.is_empty() && d.turned_faces + d.reversed_shells > 0 {
-        return once_more(&mesh, &census.shared, d, rounds);
-    }
     meetings.iter_mut().for_each(|meeting| meeting.turn(is_turned));
     // Triangles that were turned cross rays the other way.
-    let bvh = if d.reversed_shells > 0 { bvh_of(&mesh) } else { bvh };
-    let surface = finish(Closed { mesh, neighbours, shared: census.shared }, bvh, &meetings, &mut d);
-    let is_solid = d.refusal().is_none();
-    (d, surface.filter(|_| is_solid))
+    let bvh = if outward.is_reversed.contains(&true) { bvh_of(&mesh) } else { bvh };
+    let has_turned = mesh.triangles != unturned;
+    Some(Closed { mesh, neighbours, shared, bvh, meetings, has_turned })
 }
 
-/// Examines faces that were turned. Which ones bound a wedge of material at a shared edge was read from the sides that
-/// they told before; told anew, other faces belong together, and so the shells are others.
-fn once_more(
-    turned: &TriangleMesh,
-    shared: &[[u32; 2]],
-    first: Diagnosis,
-    rounds: usize,
-) -> (Diagnosis, Option<Surface>) {
-    if rounds <= 1 {
-        let has =
-            |edge: &[u32; 2]| turned.triangles.iter().filter(|t| edge.iter().all(|v| t.contains(v))).count();
-        let edges: Vec<_> = shared.iter().map(|edge| (*edge, has(edge))).collect();
-        return (Diagnosis { non_manifold_edges: in_space(turned, &edges), ..first }, None);
-    }
-    let (again, surface) = examine_in(rounds - 1, turned);
-    let d = Diagnosis {
-        input_vertices: first.input_vertices,
-        input_triangles: first.input_triangles,
-        unused_vertices: first.unused_vertices,
-        merged_vertices: first.merged_vertices,
-        degenerate_faces: first.degenerate_faces,
-        duplicate_faces: first.duplicate_faces,
-        paired_faces: first.paired_faces,
-        turned_faces: first.turned_faces + again.turned_faces,
-        reversed_shells: first.reversed_shells + again.reversed_shells,
-        ..again
-    };
-    (d, surface)
-}
-
-fn in_space(mesh: &TriangleMesh, edges: &[([u32; 2], usize)]) -> Findings<([DVec3; 2], usize)> {
-    edges.iter().map(|(edge, faces)| (edge.map(|vertex| mesh.vertices[vertex as usize]), *faces)).collect()
+/// Shared edges whose faces still turned in the last round.
+fn unsettled(closed: &Closed) -> Findings<([DVec3; 2], usize)> {
+    let Closed { mesh, shared, .. } = closed;
+    let faces =
+        |edge: &[u32; 2]| mesh.triangles.iter().filter(|t| edge.iter().all(|v| t.contains(v))).count();
+    shared.iter().map(|edge| (edge.map(|vertex| mesh.vertices[vertex as usize]), faces(edge))).collect()
 }
 
 /// Leaves out what nothing can be said about: faces at vertices that do not exist or are not finite.
@@ -142,21 +146,35 @@ fn sound<'a>(mesh: &'a TriangleMesh, d: &mut Diagnosis) -> Cow<'a, TriangleMesh>
     Cow::Owned(TriangleMesh { vertices: mesh.vertices.clone(), triangles })
 }
 
-/// Welds. Faces that occur twice are walls between two parts if the surface is closed and manifold without them and is
-/// not with one of each; a face written once for each of its sides looks the same, but is needed.
-fn clean(mesh: &TriangleMesh) -> (TriangleMesh, Welding, EdgeCensus) {
-    let of = |repeated| {
-        let (welded, welding) = weld::weld(mesh, repeated);
-        let census = topology::edge_census(&welded);
-        (welded, welding, census)
+/// Leaves out what does not count and welds the rest; returns its edges and what was left out.
+///
+/// Faces that occur twice are walls between two parts if the surface is closed and manifold without them and is not with
+/// one of each; a face written once for each of its sides looks the same, but is needed.
+fn clean(mesh: &TriangleMesh) -> (TriangleMesh, EdgeCensus, Diagnosis) {
+    let mut d = Diagnosis {
+        input_vertices: mesh.vertices.len(),
+        input_triangles: mesh.triangles.len(),
+        ..Diagnosis::default()
     };
-    let one_of_each = of(Repeated::KeepOne);
-    if one_of_each.1.duplicate_faces == 0 || one_of_each.2.non_manifold.is_empty() {
-        return one_of_each;
+    let sound = sound(mesh, &mut d);
+    let of = |repeated| {
+        let (welded, welding) = weld::weld(&sound, repeated);
+        let census = topology::edge_census(&welded);
+        (welded, census, welding)
+    };
+    let (mut mesh, mut census, mut welding) = of(Repeated::KeepOne);
+    if welding.duplicate_faces > 0 && !census.non_manifold.is_empty() {
+        let none = of(Repeated::DropPairs);
+        if !none.0.triangles.is_empty() && none.1.open.is_empty() && none.1.non_manifold.is_empty() {
+            (mesh, census, welding) = none;
+        }
     }
-    let none = of(Repeated::DropPairs);
-    let is_better = !none.0.triangles.is_empty() && none.2.open.is_empty() && none.2.non_manifold.is_empty();
-    if is_better { none } else { one_of_each }
+    d.unused_vertices = welding.unused_vertices;
+    d.merged_vertices = welding.merged_vertices;
+    d.degenerate_faces = welding.degenerate_faces;
+    d.duplicate_faces = welding.duplicate_faces;
+    d.paired_faces = welding.paired_faces;
+    (mesh, census, d)
 }
 
 fn bvh_of(mesh: &TriangleMesh) -> Bvh {
@@ -203,17 +221,9 @@ fn sort_meetings(mesh: &TriangleMesh, meetings: &[Meeting], shell_of: &[u32], d:
     overlaps
 }
 
-/// A closed and oriented surface.
-struct Closed {
-    mesh: TriangleMesh,
-    neighbours: Neighbours,
-    /// Edges of more than two faces.
-    shared: Vec<[u32; 2]>,
-}
-
 /// From the whole surface to what bounds its union, if anything does.
-fn finish(closed: Closed, bvh: Bvh, meetings: &[Meeting], d: &mut Diagnosis) -> Option<Surface> {
-    let Closed { mesh, neighbours, shared } = closed;
+fn finish(closed: Closed, d: &mut Diagnosis) -> Option<Surface> {
+    let Closed { mesh, neighbours, shared, bvh, meetings, .. } = closed;
     // Several faces are equally near there, and they need not agree.
     let mut is_shared = vec![false; mesh.vertices.len()];
     shared.iter().flatten().for_each(|vertex| is_shared[*vertex as usize] = true);
@@ -227,7 +237,7 @@ fn finish(closed: Closed, bvh: Bvh, meetings: &[Meeting], d: &mut Diagnosis) -> 
         let pseudonormals = Pseudonormals::new(&mesh, &neighbours, at_shared_edge);
         return Some(Surface { mesh, closed: None, bvh, uncut: None, pseudonormals, properties: by_shells });
     }
-    let visible = visible::visible(&mesh, &neighbours, &bvh, meetings);
+    let visible = visible::visible(&mesh, &neighbours, &bvh, &meetings);
     let mut is_whole = vec![false; mesh.triangles.len()];
     for (parent, whole) in visible.parents.iter().zip(&visible.is_whole) {
         is_whole[*parent as usize] = *whole;
@@ -252,4 +262,27 @@ fn finish(closed: Closed, bvh: Bvh, meetings: &[Meeting], d: &mut Diagnosis) -> 
         pseudonormals,
         properties,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two tetrahedra with a common edge, both inside out.
+    #[test]
+    fn a_surface_that_is_not_settled_in_time_is_refused_at_its_shared_edges() {
+        let corners = [[0, 0, 0], [0, 0, 1], [2, 1, 0], [2, -1, 0], [-2, 1, 0], [-2, -1, 0]];
+        let vertices = corners.map(|corner| DVec3::from_array(corner.map(f64::from))).to_vec();
+        let one = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        let other = [[0, 5, 1], [0, 1, 4], [0, 4, 5], [1, 5, 4]];
+        let triangles = one.into_iter().chain(other).collect();
+        let mesh = TriangleMesh { vertices, triangles };
+        let (settled, surface) = examine(&mesh);
+        assert!(surface.is_some() && settled.refusal().is_none());
+        assert_eq!(settled.shared_edges.count, 1);
+        let (unsettled, surface) = examine_in(1, &mesh);
+        assert!(surface.is_none());
+        let edge = [DVec3::ZERO, DVec3::Z];
+        assert_eq!(unsettled.non_manifold_edges.some, [(edge, 4)]);
+    }
 }

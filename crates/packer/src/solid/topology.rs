@@ -88,8 +88,6 @@ pub(super) struct Orientation {
     pub(super) shell_of: Vec<u32>,
     /// Number of parts.
     pub(super) shells: usize,
-    /// Faces that were turned to agree with their neighbours.
-    pub(super) turned: usize,
     /// For each one-sided part, a triangle whose neighbours ask for both orientations.
     pub(super) one_sided: Vec<usize>,
 }
@@ -120,7 +118,6 @@ pub(super) fn orient_consistently(mesh: &mut TriangleMesh, neighbours: &mut Neig
                     out.shell_of[other] = shell;
                     if !agrees {
                         turn(mesh, neighbours, other);
-                        out.turned += 1;
                     }
                     open.push(other);
                 } else if !agrees {
@@ -132,6 +129,22 @@ pub(super) fn orient_consistently(mesh: &mut TriangleMesh, neighbours: &mut Neig
         out.shells += 1;
     }
     out
+}
+
+/// Faces that are turned against the first one of their shell, and shells whose first face is turned, from triangles as
+/// they were before and as they are after.
+pub(super) fn turns(before: &[[u32; 3]], after: &[[u32; 3]], shell_of: &[u32]) -> (usize, usize) {
+    let is_turned = |triangle: usize| before[triangle] != after[triangle];
+    let mut is_reversed: Vec<bool> = Vec::new();
+    let mut faces = 0;
+    for (triangle, shell) in shell_of.iter().enumerate() {
+        // Shells are numbered in the order of their first faces.
+        if is_reversed.len() <= *shell as usize {
+            is_reversed.push(is_turned(triangle));
+        }
+        faces += usize::from(is_turned(triangle) != is_reversed[*shell as usize]);
+    }
+    (faces, is_reversed.into_iter().filter(|is_reversed| *is_reversed).count())
 }
 
 /// Loops of open edges: the holes of the surface. Loops that touch in a vertex count as one.

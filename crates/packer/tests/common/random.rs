@@ -1,5 +1,7 @@
 //! Random closed meshes of many kinds, at random scales and places.
 
+#![allow(dead_code, reason = "each test file uses its part")]
+
 use super::common::{cuboid, inverted, join, torus};
 use glam::{DMat3, DQuat, DVec3};
 use packer::TriangleMesh;
@@ -31,6 +33,7 @@ pub(crate) fn meshes() -> impl Strategy<Value = RandomMesh> {
         plate().prop_map(|mesh| ("plate", mesh)).boxed(),
         needle().prop_map(|mesh| ("needle", mesh)).boxed(),
         several_shells().prop_map(|mesh| ("several shells", mesh)).boxed(),
+        blocks().prop_map(|blocks| ("blocks", blocks.mesh)).boxed(),
     ];
     let turn = (point(-1.0, 1.0), 0.0..TAU);
     (Union::new(kinds), -3.0..3.0_f64, turn, point(-3.0, 3.0)).prop_map(
@@ -188,5 +191,32 @@ fn several_shells() -> impl Strategy<Value = TriangleMesh> {
             body.vertices.iter_mut().for_each(|v| *v = size * *v + DVec3::X * (4.1 * i as f64));
             join(&all, &body)
         })
+    })
+}
+
+/// Unit cubes of a grid of three by three by three, and the surface of their union.
+#[derive(Clone, Debug)]
+pub(crate) struct Blocks {
+    pub(crate) cubes: Vec<[i32; 3]>,
+    pub(crate) mesh: TriangleMesh,
+}
+
+/// Cubes that touch in faces, edges and corners, or not at all.
+pub(crate) fn blocks() -> impl Strategy<Value = Blocks> {
+    prop::collection::btree_set(prop::array::uniform3(0..3), 1..14).prop_map(|cubes| {
+        let mut mesh = TriangleMesh::default();
+        for cube in &cubes {
+            let lower = DVec3::from_array(cube.map(f64::from));
+            let mut block = cuboid(lower, lower + 1.0);
+            let TriangleMesh { vertices, triangles } = &mut block;
+            triangles.retain(|triangle| {
+                let [a, b, c] = triangle.map(|vertex| vertices[vertex as usize]);
+                let normal = (b - a).cross(c - a);
+                let next = [0, 1, 2].map(|axis| cube[axis] + normal[axis].round() as i32);
+                !cubes.contains(&next)
+            });
+            mesh = join(&mesh, &block);
+        }
+        Blocks { cubes: cubes.into_iter().collect(), mesh }
     })
 }
