@@ -69,7 +69,7 @@ proptest! {
         blocks in blocks(),
         seed in any::<u64>(),
         one_in in 1..40_u64,
-        noise in prop_oneof![Just(0.0), 0.0..0.75],
+        noise in prop_oneof![Just(0.0), 0.0..2.0],
     ) {
         let mesh = with_noise(&with_turned(&blocks.mesh, seed, one_in), seed, noise);
         match Solid::new(&mesh) {

@@ -28,8 +28,8 @@ pub(super) struct Surface {
     pub(super) properties: SolidProperties,
 }
 
-/// Most times that a surface with shared edges is turned. Of 200,000 solids of cubes with faces turned at random, corners moved
-/// by up to 0.75 of an edge, none needed more than three; of 20,000 with corners in place none more than two.
+/// Most times that a surface with shared edges is turned. Of 230,000 solids of cubes with faces turned at random, corners moved
+/// by up to two edges, none needed more than three; of 50,000 with corners in place none more than two.
 const ROUNDS: usize = 4;
 
 /// Finds everything that there is to say about `mesh`, and its surface if it is a solid.
