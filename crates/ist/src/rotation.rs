@@ -3,14 +3,13 @@
 //! glam adds up the components of an f32 quaternion in the order that suits the processor's vectors, and takes sine and
 //! cosine from the platform's library.
 
-use glam::{DQuat, DVec3, Vec2};
+use glam::{DQuat, DVec3};
 use glamx::Rot3;
 
 /// A unit quaternion from one that is near unit length, as an integrated rotation is; `None` otherwise.
 pub(crate) fn unit(rotation: Rot3) -> Option<Rot3> {
     let [x, y, z, w] = rotation.to_array();
-    // Without the standard library f32 has no square root of its own.
-    let length = Vec2::splat(x * x + y * y + z * z + w * w).sqrt().x;
+    let length = libm::sqrtf(x * x + y * y + z * z + w * w);
     // False for NaN as well.
     let near = length > 0.5 && length < 2.0;
     near.then(|| Rot3::from_xyzw(x / length, y / length, z / length, w / length))

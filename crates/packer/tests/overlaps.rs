@@ -4,6 +4,7 @@
 
 mod common;
 
+use common::surface::winding_number;
 use common::{bumpy_sphere, cuboid, extruded, join, rotated, torus};
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use packer::{MeshError, PackOptions, Solid, TriangleMesh, pack};
@@ -16,16 +17,6 @@ fn points(mesh: &TriangleMesh, count: u32) -> impl Iterator<Item = DVec3> {
         let share = (f64::from(i) * DVec3::new(0.819_172_5, 0.671_043_6, 0.549_700_5)).fract();
         lower + (1.1 * share - 0.05) * (upper - lower)
     })
-}
-
-/// Sum of the solid angles of all triangles, by 4π.
-fn winding_number(mesh: &TriangleMesh, p: DVec3) -> f64 {
-    let angle = |triangle: usize| {
-        let [a, b, c] = mesh.corners(triangle).map(|corner| corner - p);
-        let (la, lb, lc) = (a.length(), b.length(), c.length());
-        2.0 * a.dot(b.cross(c)).atan2(la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb)
-    };
-    (0..mesh.triangles.len()).map(angle).sum::<f64>() / (4.0 * PI)
 }
 
 /// Checks the side of many points, and that the depth has no jumps.

@@ -6,71 +6,23 @@ mod common;
 #[path = "common/random.rs"]
 mod random;
 
+use common::surface;
 use glam::DVec3;
 use ist::InnerSphere;
 use packer::{PackOptions, Packed, Solid, StopReason, TriangleMesh, pack};
 use proptest::prelude::*;
-use std::f64::consts::{PI, TAU};
-
-/// Distance of `p` from the triangle: to its plane if the foot lies inside, else to the nearest of its edges.
-fn distance_to_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
-    let normal = (b - a).cross(c - a);
-    let is_left_of = |u: DVec3, v: DVec3| normal.dot((v - u).cross(p - u)) >= 0.0;
-    if is_left_of(a, b) && is_left_of(b, c) && is_left_of(c, a) && normal != DVec3::ZERO {
-        return normal.dot(p - a).abs() / normal.length();
-    }
-    [(a, b), (b, c), (c, a)]
-        .map(|(u, v)| {
-            let along = ((p - u).dot(v - u) / u.distance_squared(v)).clamp(0.0, 1.0);
-            p.distance(u + (v - u) * along)
-        })
-        .into_iter()
-        .fold(f64::INFINITY, f64::min)
-}
-
-/// Solid angle of the triangle seen from `p` (A. van Oosterom and J. Strackee, 1983).
-fn solid_angle(p: DVec3, corners: [DVec3; 3]) -> f64 {
-    let [a, b, c] = corners.map(|corner| corner - p);
-    let [x, y, z] = [a, b, c].map(DVec3::length);
-    2.0 * a.dot(b.cross(c)).atan2(x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y)
-}
-
-/// Size, volume and triangles of a mesh whose shells face out of the material.
-struct Surface {
-    size: f64,
-    volume: f64,
-    triangles: Vec<[DVec3; 3]>,
-}
-
-impl Surface {
-    fn of(mesh: &TriangleMesh) -> Self {
-        let (lower, upper) = mesh.bounds();
-        let triangles: Vec<_> = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
-        let center = 0.5 * (lower + upper);
-        let volume = triangles.iter().map(|t| t.map(|p| p - center)).map(|[a, b, c]| a.dot(b.cross(c)) / 6.0);
-        Self { size: lower.distance(upper), volume: volume.sum(), triangles }
-    }
-
-    fn distance(&self, p: DVec3) -> f64 {
-        self.triangles.iter().map(|t| distance_to_triangle(p, *t)).fold(f64::INFINITY, f64::min)
-    }
-
-    fn winding(&self, p: DVec3) -> f64 {
-        self.triangles.iter().map(|t| solid_angle(p, *t)).sum::<f64>() / (2.0 * TAU)
-    }
-}
+use std::f64::consts::PI;
 
 /// Inside, disjoint, cells as large as the balls and the solid: what holds for every packing.
-fn check(spheres: &[InnerSphere], surface: &Surface) -> Result<(), TestCaseError> {
+fn check(spheres: &[InnerSphere], mesh: &TriangleMesh) -> Result<(), TestCaseError> {
+    let (lower, upper) = mesh.bounds();
+    let rounding = 1e-12 * lower.distance(upper);
     let balls: Vec<(DVec3, f64)> = spheres.iter().map(|s| (s.center.as_dvec3(), s.radius.into())).collect();
     for (i, (center, radius)) in balls.iter().enumerate() {
-        let distance = surface.distance(*center);
+        let distance = surface::distance(mesh, *center);
         // Rounding of another formula for the distance, far under the promised 1e-6.
-        prop_assert!(
-            distance >= radius - 1e-12 * surface.size,
-            "ball {i}: {radius} at a depth of {distance}"
-        );
-        let winding = surface.winding(*center);
+        prop_assert!(distance >= radius - rounding, "ball {i}: {radius} at a depth of {distance}");
+        let winding = surface::winding_number(mesh, *center);
         prop_assert!((winding - 1.0).abs() < 1e-3, "ball {i} is outside: winding number {winding}");
         for (j, (other, other_radius)) in balls[..i].iter().enumerate() {
             let overlap = radius + other_radius - center.distance(*other);
@@ -84,7 +36,8 @@ fn check(spheres: &[InnerSphere], surface: &Surface) -> Result<(), TestCaseError
         prop_assert!((spheres[i].normal.length() - 1.0).abs() < 1e-5, "normal {i}");
     }
     let sum: f64 = spheres.iter().map(|s| f64::from(s.cell_volume)).sum();
-    prop_assert!((sum / surface.volume - 1.0).abs() < 1e-6, "cells of {sum} fill {}", surface.volume);
+    let volume = surface::volume(mesh);
+    prop_assert!((sum / volume - 1.0).abs() < 1e-6, "cells of {sum} fill {volume}");
     Ok(())
 }
 
@@ -112,7 +65,7 @@ fn check_solid(solid: &Solid, count: usize) -> Result<(), TestCaseError> {
         stop => prop_assert!(stop == StopReason::Exhausted && packed.packing.spheres().len() < count),
     }
     // The mesh of the solid is the input but for orientation: welding moves no vertex.
-    check(packed.packing.spheres(), &Surface::of(solid.surface()))?;
+    check(packed.packing.spheres(), solid.surface())?;
     for threads in [2, 8] {
         let other = with_threads(threads, || pack(solid, &options)).unwrap();
         prop_assert!(

@@ -4,7 +4,10 @@
 //! they are. What bounds a solid bounds one when it is read again, of the same volume. In a packing balls are disjoint
 //! and inside, and their cells sum to the solid's volume.
 
-use glam::DVec3;
+#[path = "../../../crates/packer/tests/common/surface.rs"]
+#[allow(dead_code, reason = "the packer's tests need more of it")]
+mod surface;
+
 use packer::{MeshError, PackError, PackOptions, Packed, Solid, TriangleMesh, diagnose, pack};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -107,7 +110,7 @@ fn check_certificates(solid: &Solid, packed: &Packed) {
         let (center, radius) = (sphere.center.as_dvec3(), f64::from(sphere.radius));
         let depth = solid.depth(center);
         assert!(depth >= radius, "ball {i} of {radius} stands at depth {depth}: {:?}", solid.mesh());
-        let nearest = distance_from_all(solid.surface(), center);
+        let nearest = surface::distance(solid.surface(), center);
         assert!((nearest - depth).abs() <= 1e-9 * solid.size(), "{depth} is {nearest}: {:?}", solid.mesh());
         for other in &spheres[..i] {
             let gap = center.distance(other.center.as_dvec3()) - radius - f64::from(other.radius);
@@ -117,22 +120,4 @@ fn check_certificates(solid: &Solid, packed: &Packed) {
     let sum: f64 = spheres.iter().map(|s| f64::from(s.cell_volume)).sum();
     let volume = solid.properties().volume;
     assert!((sum / volume - 1.0).abs() < 1e-6, "cells sum to {sum}, not {volume}: {:?}", solid.mesh());
-}
-
-/// Distance (m) of `p` from the nearest triangle, without a tree.
-fn distance_from_all(mesh: &TriangleMesh, p: DVec3) -> f64 {
-    (0..mesh.triangles.len()).map(|i| distance(mesh.corners(i), p)).fold(f64::INFINITY, f64::min)
-}
-
-/// Distance (m) of `p` from a triangle: that from its plane above its face, and else that from its nearest side.
-fn distance([a, b, c]: [DVec3; 3], p: DVec3) -> f64 {
-    let side = |from: DVec3, to: DVec3| {
-        let along = to - from;
-        let share = ((p - from).dot(along) / along.length_squared()).clamp(0.0, 1.0);
-        p.distance(if share.is_finite() { from + along * share } else { from })
-    };
-    let normal = (b - a).cross(c - a).normalize_or_zero();
-    let above = |from: DVec3, to: DVec3| normal.dot((to - from).cross(p - from)) > 0.0;
-    let sides = side(a, b).min(side(b, c)).min(side(c, a));
-    if above(a, b) && above(b, c) && above(c, a) { sides.min(normal.dot(p - a).abs()) } else { sides }
 }

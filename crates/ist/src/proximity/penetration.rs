@@ -203,7 +203,7 @@ impl Query<'_> {
         // The farther of the two ends of the line in the ball of radius `reach`.
         let along = offset.dot(direction);
         let aside = (offset - along * direction).length();
-        let half = DVec3::splat((reach * reach - aside * aside).max(0.0)).sqrt().x;
+        let half = libm::sqrt((reach * reach - aside * aside).max(0.0));
         let x = (half - along).max(0.0) * direction;
         self.deepest(x)?.is_free.then_some(x)
     }

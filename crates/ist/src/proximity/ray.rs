@@ -9,7 +9,7 @@ use crate::InnerSphereTree;
 use crate::simd_level::simd_level;
 use crate::tree::WIDTH;
 use fearless_simd::{Simd, dispatch, f32x8, prelude::*};
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 
 /// Room for rounding in f32, relative to the coordinates; balls that pass are tested again in f64.
 const ROUNDING: f32 = 2e-6;
@@ -110,7 +110,7 @@ impl ExactRay {
         if half < 0.0 {
             return None;
         }
-        let half = DVec2::splat(half).sqrt().x;
+        let half = libm::sqrt(half);
         let way = if from_origin.length_squared() > radius * radius {
             nearest - half
         } else if self.solid {

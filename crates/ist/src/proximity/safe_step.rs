@@ -1,10 +1,10 @@
 //! Times before which two balls cannot meet, in closed form.
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 /// The first time s ≥ 0 at which `gap + rate s − ½ acceleration s²` is 0, for a positive gap.
 pub(super) fn time_to_close(gap: f64, rate: f64, acceleration: f64) -> f64 {
-    let root = square_root(rate * rate + 2.0 * acceleration * gap);
+    let root = libm::sqrt(rate * rate + 2.0 * acceleration * gap);
     if rate < 0.0 {
         // Nothing cancels, and the acceleration may be 0.
         2.0 * gap / (root - rate)
@@ -31,12 +31,7 @@ pub(super) fn time_to_reach(offset: DVec3, velocity: DVec3, reach: f64) -> f64 {
     if way <= 0.0 || half < 0.0 {
         return f64::INFINITY;
     }
-    ((way - square_root(half)) / speed).max(0.0)
-}
-
-/// Without the standard library `f64` has no square root of its own.
-fn square_root(x: f64) -> f64 {
-    DVec2::splat(x).sqrt().x
+    ((way - libm::sqrt(half)) / speed).max(0.0)
 }
 
 #[cfg(test)]

@@ -2,6 +2,8 @@
 #![allow(dead_code, reason = "each test file uses its part")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot build its mesh has failed")]
 
+pub(crate) mod surface;
+
 use glam::{DQuat, DVec2, DVec3};
 use packer::{Solid, TriangleMesh};
 use std::f64::consts::TAU;

@@ -1,32 +1,10 @@
 //! What a packing promises, checked without the library's own searches.
 
+use crate::common::surface::{distance, winding_number};
 use glam::DVec3;
 use ist::SpherePacking;
 use packer::{Solid, TriangleMesh};
-use std::f64::consts::{PI, TAU};
-
-/// Sum of the solid angles of all triangles, by 4π (A. van Oosterom and J. Strackee, 1983).
-pub(crate) fn winding_number(mesh: &TriangleMesh, p: DVec3) -> f64 {
-    let angle = |triangle: usize| {
-        let [a, b, c] = mesh.corners(triangle).map(|corner| corner - p);
-        let (la, lb, lc) = (a.length(), b.length(), c.length());
-        2.0 * a.dot(b.cross(c)).atan2(la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb)
-    };
-    (0..mesh.triangles.len()).map(angle).sum::<f64>() / (4.0 * PI)
-}
-
-/// Distance of `p` from a triangle: that from its plane above its face, and else that from its nearest side.
-fn distance([a, b, c]: [DVec3; 3], p: DVec3) -> f64 {
-    let side = |from: DVec3, to: DVec3| {
-        let along = to - from;
-        let share = ((p - from).dot(along) / along.length_squared()).clamp(0.0, 1.0);
-        p.distance(if share.is_finite() { from + along * share } else { from })
-    };
-    let normal = (b - a).cross(c - a).normalize_or_zero();
-    let above = |from: DVec3, to: DVec3| normal.dot((to - from).cross(p - from)) > 0.0;
-    let sides = side(a, b).min(side(b, c)).min(side(c, a));
-    if above(a, b) && above(b, c) && above(c, a) { sides.min(normal.dot(p - a).abs()) } else { sides }
-}
+use std::f64::consts::TAU;
 
 /// Certifies `packing` of `solid` against `mesh`, the triangles that it was made from, consistently oriented.
 pub(crate) fn certify(name: &str, mesh: &TriangleMesh, solid: &Solid, packing: &SpherePacking) {
@@ -49,9 +27,7 @@ pub(crate) fn certify(name: &str, mesh: &TriangleMesh, solid: &Solid, packing: &
                 assert!(winding.abs() > 0.5, "{name}: ball {i} of radius {radius} sticks out at {p}");
             }
         } else {
-            let nearest = (0..mesh.triangles.len())
-                .map(|triangle| distance(mesh.corners(triangle), center))
-                .fold(f64::INFINITY, f64::min);
+            let nearest = distance(mesh, center);
             assert!(nearest >= radius - 1e-9 * size, "{name}: ball {i} of {radius} is {nearest} deep");
         }
         for (j, other) in packing.spheres()[..i].iter().enumerate() {

@@ -89,7 +89,24 @@ fn attachment(body: &[u8], visit: &mut impl FnMut(Record)) -> Result<(), String>
     if !checked {
         return Err("the checksum of an attachment does not agree".into());
     }
+    if !is_attachment(body) {
+        return Err("an attachment's lengths do not agree".into());
+    }
     parse(op::ATTACHMENT, body, visit)
+}
+
+/// What follows a string in a record.
+fn after_string(rest: &[u8]) -> Option<&[u8]> {
+    let (length, rest) = rest.split_first_chunk()?;
+    rest.get(usize::try_from(u32::from_le_bytes(*length)).ok()?..)
+}
+
+/// Whether the parts of an attachment fill its record: two times, name, media type, data and checksum. The crate's parser
+/// panics where the names reach into the checksum.
+fn is_attachment(body: &[u8]) -> bool {
+    let data = body.get(16..).and_then(after_string).and_then(after_string);
+    data.and_then(|rest| rest.split_first_chunk())
+        .is_some_and(|(length, rest)| u64::from_le_bytes(*length).checked_add(4) == Some(rest.len() as u64))
 }
 
 /// The chunk whose record begins at `position` and has the given body.

@@ -198,6 +198,32 @@ fn issue_a_chunk_taken_for_a_header_is_missing() {
     assert!(chunks > 3);
 }
 
+/// The parser of attachments panicked.
+#[test]
+fn issue_names_of_an_attachment_reach_into_its_checksum() {
+    let string = [4_u32.to_le_bytes(), *b"name"].concat();
+    let times_and_names = [vec![0; 16], string.clone(), string].concat();
+    // Of the eight bytes that tell how much data there is the last four are the checksum.
+    for data_length in 0..9 {
+        let mut body = times_and_names.clone();
+        body.resize(body.len() + data_length, 0);
+        body.extend(crc32fast::hash(&body).to_le_bytes());
+        let record = [&[op::ATTACHMENT][..], &(body.len() as u64).to_le_bytes(), &body].concat();
+        let replay = Replay::from_bytes(&[mcap::MAGIC, &record].concat()).unwrap();
+        match replay.end() {
+            ReplayEnd::Damaged { at, what } => {
+                assert_eq!(*at, mcap::MAGIC.len() as u64);
+                assert!(what.contains("attachment") && data_length != 8, "{data_length}: {what}");
+            }
+            // Eight zeros and the checksum are an attachment without data.
+            end => {
+                let at = (mcap::MAGIC.len() + record.len()) as u64;
+                assert_eq!((end, data_length), (&ReplayEnd::Truncated { at }, 8));
+            }
+        }
+    }
+}
+
 /// Bytes from the data end record's body on: the footer, in front of the last magic bytes, says where the summary begins.
 fn bytes_after_data(bytes: &[u8]) -> usize {
     let footer = &bytes[bytes.len() - mcap::MAGIC.len() - 20..];
