@@ -161,6 +161,10 @@ fn table_of_contents(contents: &Contents, replay: &Replay, path: &Path) -> Resul
     row("length", format!("{:.3} s, {} steps", contents.seconds, contents.steps))?;
     row("bodies", format!("{}, {} with a mesh", contents.bodies, contents.meshes))?;
     row("spheres", contents.spheres.to_string())?;
+    let unseen = replay.bodies().iter().filter(|body| body.mesh.is_none() && body.spheres.is_empty()).count();
+    if unseen > 0 {
+        row("not drawn", format!("{unseen} bodies: describe them by BodyDescription::mesh or spheres"))?;
+    }
     row("contacts", format!("{}, deepest {:.3} mm", contents.contacts, contents.deepest_overlap * 1e3))?;
     for (record, entries) in replay.metadata() {
         let entries: Vec<String> = entries.iter().map(|(key, value)| format!("{key} {value}")).collect();
