@@ -21,7 +21,7 @@ pub struct StepReport {
     /// Whether the world's query dispatcher did not know [`crate::IstShape`] and was replaced; see
     /// [`crate::IstPlugin::step_parts`].
     pub dispatcher_replaced: bool,
-    /// Wall time of the overlap queries (s).
+    /// Wall time of the search for candidates and of the overlap queries (s).
     pub query_seconds: f64,
     /// Wall time of the penalty solve (s).
     pub solve_seconds: f64,
@@ -39,7 +39,8 @@ pub enum ContactState {
     Persisted,
 }
 
-/// Contact between two overlapping colliders at the start of a step, world frame.
+/// Contact between two overlapping colliders, world frame. Volume and depth are those at the poses of the solve, which lie in the step;
+/// the centroid is moved back to its start.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct PairContact {

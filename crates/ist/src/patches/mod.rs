@@ -1,7 +1,7 @@
 //! The overlap split into its connected regions.
 //!
 //! Two lenses are of one region if the spheres of A that they lie in are connected with each other, and so are those of
-//! B: spheres are connected if their volume balls meet, directly or over others that take part in the overlap
+//! B: spheres are connected if their volume balls, somewhat enlarged, meet, directly or over others that take part in the overlap
 //! ([`touching`]). So the distance that still counts as close is the local resolution of the packings and needs no
 //! length of its own: a shallow contact of coarse spheres, whose lenses lie far apart, stays in one piece, and a body as
 //! thin as one sphere between two walls still has two contacts, as the walls' spheres do not meet.

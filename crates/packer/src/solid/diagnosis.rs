@@ -47,7 +47,7 @@ pub struct Diagnosis {
     pub non_manifold_edges: Findings<([DVec3; 2], usize)>,
     /// Shells that have no inner and outer side, such as a Klein bottle: a triangle of each.
     pub one_sided: Findings<usize>,
-    /// Edges folded by more than 150°: their middles (m). Inside and outside are told apart by rays near them.
+    /// Edges folded by more than 154°: their middles (m). Inside and outside are told apart by rays near them.
     pub folds: Findings<DVec3>,
     /// Pairs of triangles that pass through each other, neighbours excepted: a common point of each (m).
     pub self_intersections: Findings<DVec3>,

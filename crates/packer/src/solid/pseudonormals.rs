@@ -7,7 +7,7 @@
 //!
 //! Two departures. Files round coordinates, and a sliver that is folded over by rounding makes the surface
 //! cut itself, where the theorem no longer holds: on a gear of 11,840 triangles 2 of a million points came out
-//! with the wrong sign, and one ball with them. Faces at an edge folded by more than 150°, faces too flat to have a
+//! with the wrong sign, and one ball with them. Faces at an edge folded by more than 154°, faces too flat to have a
 //! normal, and faces that the caller names are therefore marked as doubtful, and the caller counts crossings
 //! instead. And where two cones of faces touch in one vertex, each cone has its own pseudonormal, which is why they
 //! are stored per corner of a triangle and not per vertex.
@@ -28,7 +28,7 @@ pub(super) struct Pseudonormals {
     has_doubts: bool,
 }
 
-/// Cosine of the angle between neighbouring normals under which the edge may be a fold.
+/// Cosine of the angle between neighbouring normals under which the edge may be a fold: 154°.
 pub(super) const FOLD: f64 = -0.9;
 
 impl Pseudonormals {

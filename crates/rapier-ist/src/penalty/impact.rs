@@ -1,7 +1,8 @@
 //! How a contact began, and its rebound.
 //!
-//! A stiff contact stops the bodies within a step, at the place where they touch; they rebound in the next one, from there.
-//! A rebound at once would begin up to a step's way above the surface, and end higher than it should.
+//! A stiff contact stops the bodies within a step, at the place where they touch; they rebound from there, in the next step or, if
+//! they stop early in this one, by one more solve. A rebound at once would begin up to a step's way above the surface, and end
+//! higher than it should.
 //!
 //! The impulse of the rebound is the restitution times the one that stopped the bodies (Poisson's hypothesis, W. J. Stronge,
 //! *Impact Mechanics*, 2000, section 3.1), which makes no energy where a contact has many places and directions.

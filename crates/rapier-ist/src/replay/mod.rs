@@ -29,10 +29,10 @@
 //! ```
 //!
 //! A recording that ends early, as that of a killed run does, replays up to its last whole chunk; so does one that is
-//! damaged, up to the damage. [`Replay::end`] tells which it is. Every byte that is replayed was checked against the
+//! damaged, up to the damage. [`Replay::end`] tells which it is. Chunks and attachments that are replayed were checked against the
 //! file's checksums.
 //!
-//! A replay holds everything in memory: 32 bytes for each body and step, and the contacts.
+//! A replay holds everything in memory: 48 bytes for each body and step, and the contacts.
 
 mod body;
 mod builder;

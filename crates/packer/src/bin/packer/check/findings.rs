@@ -211,7 +211,7 @@ fn warnings(d: &Diagnosis) -> Vec<Finding> {
         warning(
             "folds",
             d.folds.count,
-            "edges folded by more than 150°",
+            "edges folded by more than 154°",
             places(&d.folds, point),
             "these are knife edges, or slivers turned over by rounding; inside and outside are told apart by rays there",
         ),
