@@ -91,3 +91,19 @@ fn a_fixed_inner_sphere_tree_holds_bodies_of_rapier() {
     run(&mut plugin, &mut world, 120);
     assert!((height(&world, cube) - 1.1).abs() < 0.02, "{}", height(&world, cube));
 }
+
+/// Rapier keeps the velocity that a fixed body was built with and does not move it. Here it dragged along what lay on it.
+#[test]
+fn issue_a_fixed_body_drags_nothing_along() {
+    let mut world = PhysicsWorld::new();
+    let mut plugin = IstPlugin::install(&mut world);
+    let ground = RigidBodyBuilder::fixed().linvel(Vector::X * 5.0).angvel(Vector::Y);
+    let (ground, _) = world.insert(ground, ColliderBuilder::new(SharedShape::halfspace(Vector::Y)));
+    let (body, _) = world.insert(dynamic(Vector::Y * RADIUS), ball_collider());
+    run(&mut plugin, &mut world, 60);
+    assert_eq!(world.bodies[ground].linvel(), Vector::X * 5.0);
+    let moved = world.bodies[body].translation() - Vector::Y * RADIUS;
+    assert!(moved.length() < 1e-3, "it moved by {moved} m");
+    run(&mut plugin, &mut world, 120);
+    assert!(world.bodies[body].is_sleeping(), "what does not move keeps nothing awake");
+}

@@ -98,7 +98,12 @@ fn collect(
         let mut of_patches = solved.patches.iter().flat_map(|patch| {
             [patch.wrench(twist).wrench_from(-patch.arm), relative_velocity.twist_at(patch.arm)]
         });
-        if !(wrench.fits_f32() && relative_velocity.fits_f32() && of_patches.all(Screw::fits_f32)) {
+        let mut places = solved.patches.iter().map(|patch| origin + patch.arm).chain([origin]);
+        let fits = wrench.fits_f32()
+            && relative_velocity.fits_f32()
+            && of_patches.all(Screw::fits_f32)
+            && places.all(|place| place.as_vec3().is_finite());
+        if !fits {
             continue;
         }
         let [a, b] = pairs[pair];

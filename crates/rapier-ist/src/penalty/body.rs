@@ -45,7 +45,9 @@ impl SolverBody {
             return Self { center_of_mass, velocity: target, predicted: target, ..Self::FIXED };
         }
         if !movable || !velocity.is_finite() {
-            let velocity = if body.is_sleeping() || !velocity.is_finite() { Screw::ZERO } else { velocity };
+            // A fixed body stays, whatever velocity it was given.
+            let is_still = body.is_sleeping() || body.is_fixed() || !velocity.is_finite();
+            let velocity = if is_still { Screw::ZERO } else { velocity };
             return Self { center_of_mass, velocity, predicted: velocity, ..Self::FIXED };
         }
         let mass = body.mass_properties();
