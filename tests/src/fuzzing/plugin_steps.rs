@@ -97,7 +97,8 @@ impl Run {
         let extremes = self.extremes;
         // Rapier itself panics at a joint none of whose bodies moves, such as one of a fixed and a disabled body.
         let has_joints = self.world.impulse_joints.attached_joints(handle).next().is_some();
-        // And where a body changes its type to fixed and back while a kinematic one that touches it sleeps: an assertion of its islands.
+        // And where a body changes its type to fixed and back while a kinematic one that touches it sleeps: an assertion of its
+        // islands.
         let any_sleeps = self.bodies.iter().any(|handle| self.world.bodies[*handle].is_sleeping());
         match kind {
             8 | 11 if has_joints => return,
@@ -187,8 +188,11 @@ fn is_touched_and_spins(world: &PhysicsWorld, handle: RigidBodyHandle) -> bool {
         body.colliders().iter().any(|collider| shape_type(collider) == ShapeType::HalfSpace)
     };
     let spins = body.locked_axes().intersects(LockedAxes::TRANSLATION_LOCKED) || has_half_space();
+    // Manifolds of pairs that the penalty solves tell Rapier's solver nothing.
+    let is_solved =
+        |manifold: &ContactManifold| !manifold.data.solver_flags.is_empty() && !manifold.points.is_empty();
     let is_touched = |collider: &ColliderHandle| {
-        world.narrow_phase.contact_pairs_with(*collider).any(|pair| pair.has_any_active_contact())
+        world.narrow_phase.contact_pairs_with(*collider).any(|pair| pair.manifolds().iter().any(is_solved))
     };
     body.is_dynamic() && spins && body.colliders().iter().any(is_touched)
 }
