@@ -7,7 +7,7 @@ use glamx::Pose3;
 use ist::{InnerSphereTree, OverlapWorkspace};
 use rapier_ist_examples::accuracy::{compare, median_errors, trees};
 use rapier_ist_examples::figures::percentile;
-use rapier_ist_examples::output::{check_folder_of, exit_code, write_whole};
+use rapier_ist_examples::output::{check_folder_of, exit_code, print_line, write_whole};
 use rapier_ist_examples::pair::{self, Cut, PairSolid};
 use rapier_ist_examples::plot::{self, BAND_NAMES};
 use rapier_ist_examples::poses::{KnownPose, PoseFile};
@@ -112,12 +112,12 @@ fn run(arguments: &Arguments) -> Result<Verdict> {
     let trees = trees(&solids, arguments.plain)?;
     let results = measure_all(&trees, &file.poses);
     let figures = figures(&file, &trees, &results);
-    println!(
+    print_line(format_args!(
         "{} poses, {} intersect, median {:.1} µs, p95 {:.1} µs for those",
         figures.poses, figures.intersecting, figures.microseconds[0], figures.microseconds[1]
-    );
+    ))?;
     let checks = checks(&file, &results, &figures, &arguments.limits);
-    report(&checks);
+    report(&checks)?;
     let [a, b] = &solids;
     if let Some(path) = plot {
         let name = arguments.poses.file_stem().unwrap_or_default().to_string_lossy();

@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 use clap::Parser;
 use rapier_ist::replay::{Replay, ReplayEnd, ReplayStep};
 use rapier_ist_examples::animation::save_apng;
-use rapier_ist_examples::output::{check_folder_of, exit_code, write_whole};
+use rapier_ist_examples::output::{check_folder_of, exit_code, print_line, write_whole};
 use rapier_ist_examples::playback::Playback;
 use rapier_ist_examples::player::page;
 use rapier_ist_examples::plot;
@@ -70,7 +70,7 @@ fn run(arguments: &Arguments) -> Result<Verdict> {
     }
     let replay = Replay::open(recording)?;
     let contents = Contents::of(&replay);
-    print!("{}", table_of_contents(&contents, &replay, recording)?);
+    print_line(table_of_contents(&contents, &replay, recording)?.trim_end())?;
     let checks = contents.checks();
     if let Some(path) = summary {
         write_summary(path, &contents, &checks)?;
@@ -100,7 +100,7 @@ fn run(arguments: &Arguments) -> Result<Verdict> {
         write_whole(path, page(&replay, &name_of(recording))?.as_bytes())?;
     }
     for path in [csv, png, apng, plot, summary, html].into_iter().flatten() {
-        println!("  wrote {}", path.display());
+        print_line(format_args!("  wrote {}", path.display()))?;
     }
     Ok(verdict(&checks))
 }

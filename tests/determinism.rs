@@ -1,7 +1,7 @@
 //! The pile comes out the same on any number of threads.
 //!
-//! `tests/determinism.sh pile` compiles this test with other flags and compares the checksums that it prints. Packings and queries are held to the same, without the
-//! feature, by `crates/packer/tests/determinism.rs`.
+//! `tests/determinism.sh pile` compiles this test with other flags and compares the checksums that it prints. Packings
+//! and queries are held to the same, without the feature, by `crates/packer/tests/determinism.rs`.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use rapier_ist_examples::scenes::{Pile, PileOptions};

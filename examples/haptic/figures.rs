@@ -1,8 +1,10 @@
 //! What the loop measured, phase by phase and query by query.
 
 use crate::{Measurement, PHASES, TOLERANCE, Tick, Within};
+use anyhow::Result;
 use ist::InnerSphereTree;
 use rapier_ist_examples::figures::percentile;
+use rapier_ist_examples::output::print_line;
 use serde::Serialize;
 
 /// Figures of a run; every file of `--summary` has these names.
@@ -73,20 +75,23 @@ impl Summary {
         }
     }
 
-    pub(crate) fn print(&self) {
-        println!("{} and {} spheres, {} ticks of 1 ms", self.spheres[0], self.spheres[1], self.ticks);
-        println!(
-            "                   wall time, µs                    on the processor, µs             overrun > 20 %   of the clock      volume error   interval"
-        );
-        println!(
-            "phase    budget    median    p99   p99.9     max    median    p99   p99.9     max    wall  processor   wall  processor   median   p95   width"
-        );
+    pub(crate) fn print(&self) -> Result<()> {
+        print_line(format_args!(
+            "{} and {} spheres, {} ticks of 1 ms",
+            self.spheres[0], self.spheres[1], self.ticks
+        ))?;
+        print_line(
+            "                   wall time, µs                    on the processor, µs             overrun > 20 %   of the clock      volume error   interval",
+        )?;
+        print_line(
+            "phase    budget    median    p99   p99.9     max    median    p99   p99.9     max    wall  processor   wall  processor   median   p95   width",
+        )?;
         for row in &self.rows {
             let budget = row.budget_us.map_or("full".to_owned(), |us| us.to_string());
             let times =
                 |[median, p99, p999, max]: [f64; 4]| format!("{median:9.1} {p99:6.1} {p999:7.1} {max:7.1}");
             let percent = |share: f64| format!("{:.2} %", 100.0 * share);
-            println!(
+            print_line(format_args!(
                 "{:8} {budget:>6} {} {} {:>9} {:>8} {:>8} {:>8} {:>9} {:>8} {:>8}",
                 row.phase,
                 times(row.wall_us),
@@ -98,15 +103,15 @@ impl Summary {
                 percent(row.volume_error[0]),
                 percent(row.volume_error[1]),
                 format!("{:.2}", row.interval_width),
-            );
+            ))?;
         }
         let jumps: Vec<String> = self.jumps.iter().map(|[p99, max]| format!("{p99:.3} / {max:.3}")).collect();
-        println!(
+        print_line(format_args!(
             "change of the force in a tick, in median forces, p99 / max: {} (full, then by budget)",
             jumps.join(", ")
-        );
+        ))?;
         for overruns in &self.overruns {
-            println!(
+            print_line(format_args!(
                 "{} µs: of {} queries {} / {} overran on the wall / on the processor, of as many loops that only read the clock {} / {}",
                 overruns.budget_us,
                 overruns.queries,
@@ -114,8 +119,9 @@ impl Summary {
                 overruns.of_queries[1],
                 overruns.of_clock[0],
                 overruns.of_clock[1],
-            );
+            ))?;
         }
+        Ok(())
     }
 }
 

@@ -95,9 +95,9 @@ fn run(arguments: &Arguments) -> Result<Verdict> {
 
     let ticks = simulate(&a, &b, &budgets, arguments);
     let summary = Summary::new(&a, &b, &budgets, &ticks);
-    summary.print();
+    summary.print()?;
     let checks = checks(&ticks);
-    report(&checks);
+    report(&checks)?;
     let pair = [&first, &second];
     if let Some(path) = &arguments.png {
         let at = ticks.get(ticks.len() / 2).map_or(Vec3::ZERO, |tick| tick.full.overlap.centroid);
@@ -182,7 +182,7 @@ fn simulate(a: &InnerSphereTree, b: &InnerSphereTree, budgets: &[u64], arguments
     critical.reserve(b.len());
     let waiting = Waiting::of_this_thread();
     if !waiting.is_known() {
-        println!("the system does not tell how long a thread waits: all times are wall times");
+        eprintln!("the system does not tell how long a thread waits: all times are wall times");
     }
     let count = (arguments.seconds / TICK) as usize;
     let smaller = a.solid().volume.min(b.solid().volume);

@@ -2,7 +2,8 @@
 
 use crate::run::Verdict;
 use anyhow::{Context, Result, ensure};
-use std::io::Write;
+use std::fmt::Display;
+use std::io::{ErrorKind, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -19,6 +20,17 @@ pub fn exit_code(result: Result<Verdict>) -> ExitCode {
             eprintln!("error: {error:#}");
             ExitCode::from(2)
         }
+    }
+}
+
+/// Prints `text` and ends the line. A reader that closed the pipe has seen enough: the example goes on without it.
+///
+/// # Errors
+/// Where the output cannot be written for another reason, such as a full disk.
+pub fn print_line(text: impl Display) -> Result<()> {
+    match writeln!(std::io::stdout(), "{text}") {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error).context("cannot print"),
+        _ => Ok(()),
     }
 }
 

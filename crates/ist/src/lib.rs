@@ -63,8 +63,8 @@
 //! # }
 //! ```
 //!
-//! **What overlap tells.** Queries take the pose of B in A's frame and memory that is used again. Forces are for 1 N/m³ and act on B;
-//! A feels the opposite.
+//! **What overlap tells.** Queries take the pose of B in A's frame and memory that is used again. Forces are for 1
+//! N/m³ and act on B; A feels the opposite.
 //!
 //! ```
 //! # use glam::{DMat3, DVec3, Vec3};

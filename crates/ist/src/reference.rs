@@ -8,7 +8,7 @@ use alloc::vec::Vec;
 use core::f64::consts::PI;
 use glam::{DMat3, DQuat, DVec3};
 use glamx::Pose3;
-pub use proximity::{ReferenceDistance, distance};
+pub use proximity::{ReferenceDistance, balls, distance};
 
 /// Overlap by brute force over all pairs of spheres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -5,6 +5,7 @@
 /// What is gone from the world is forgotten in the next step, so that a world to which bodies come and from which they go can
 /// run for ever.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Remembered {
     /// Pairs of colliders whose forces are known: those that touched in the last step.
     pub pairs: usize,

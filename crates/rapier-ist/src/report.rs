@@ -39,8 +39,8 @@ pub enum ContactState {
     Persisted,
 }
 
-/// Contact between two overlapping colliders, world frame. Volume and depth are those at the poses of the solve, which lie in the step;
-/// the centroid is moved back to its start.
+/// Contact between two overlapping colliders, world frame. Volume and depth are those at the poses of the solve, which
+/// lie in the step; the centroid is moved back to its start.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct PairContact {

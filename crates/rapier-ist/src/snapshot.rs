@@ -22,7 +22,8 @@
 //!
 //! The restored world moves on as the saved one, bit for bit, as long as nothing sleeps: to Rapier the colliders have a new
 //! shape, and it wakes their bodies. Under [`ContactModel::VolumeManifold`](crate::ContactModel::VolumeManifold) it also
-//! measures contacts anew that it would have recycled; without `contact_recycling` that makes no difference either. Of the plugin, copy `model`, `substeps` and stiffnesses of colliders and pairs.
+//! measures contacts anew that it would have recycled; without `contact_recycling` that makes no difference either. Of
+//! the plugin, copy `model`, `substeps` and stiffnesses of colliders and pairs.
 
 use crate::IstShape;
 use rapier3d::geometry::{Collider, ColliderHandle, ColliderSet, SharedShape};

@@ -1,5 +1,7 @@
 //! What an example asserts of its own physics.
 
+use crate::output::print_line;
+use anyhow::Result;
 use serde::Serialize;
 
 /// A figure of a run beside what it should be.
@@ -72,10 +74,11 @@ pub fn verdict(checks: &[Check]) -> Verdict {
 }
 
 /// Prints one line per check.
-pub fn report(checks: &[Check]) {
-    for check in checks {
-        println!("  {}", line(check));
-    }
+///
+/// # Errors
+/// As [`print_line`].
+pub fn report(checks: &[Check]) -> Result<()> {
+    checks.iter().try_for_each(|check| print_line(format_args!("  {}", line(check))))
 }
 
 fn line(check: &Check) -> String {

@@ -45,7 +45,7 @@ pub use soak::{Soak, SoakArguments, SoakFigures, build_and_soak, soak};
 pub use stepping::simulate;
 
 use crate::figures::Summary;
-use crate::output::{exit_code, write_whole};
+use crate::output::{exit_code, print_line, write_whole};
 use anyhow::Result;
 use clap::Parser;
 use indicatif::ProgressBar;
@@ -103,10 +103,15 @@ pub fn run(simulation: &mut impl Simulation, arguments: &RunArguments) -> Result
         write_summary(path, &figures_of(simulation, &summary), &checks)?;
     }
     let dt = f64::from(simulation.world().integration_parameters.dt);
-    print!("{}, {:.1} s at {:.0} Hz\n{summary}", simulation.title(), arguments.steps as f64 * dt, dt.recip());
-    print!("{}", simulation.remarks());
-    report(&checks);
-    println!("  recording {}, picture {}", arguments.mcap.display(), arguments.png.display());
+    let (title, seconds, rate) = (simulation.title(), arguments.steps as f64 * dt, dt.recip());
+    let text = format!("{title}, {seconds:.1} s at {rate:.0} Hz\n{summary}{}", simulation.remarks());
+    print_line(text.trim_end())?;
+    report(&checks)?;
+    print_line(format_args!(
+        "  recording {}, picture {}",
+        arguments.mcap.display(),
+        arguments.png.display()
+    ))?;
     Ok(verdict(&checks))
 }
 

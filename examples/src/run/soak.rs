@@ -3,6 +3,7 @@
 use super::resident::resident_mebibytes;
 use super::{Check, RunArguments, Simulation, Verdict, Wanted, report, verdict, with_spinner, write_summary};
 use crate::figures::percentile;
+use crate::output::print_line;
 use crate::waiting::Waiting;
 use anyhow::{Result, ensure};
 use clap::Args;
@@ -82,8 +83,8 @@ pub fn build_and_soak<S: Soak + Send>(
     if let Some(path) = &arguments.summary {
         write_summary(path, &figures, &checks)?;
     }
-    print(&scene, &figures);
-    report(&checks);
+    print(&scene, &figures)?;
+    report(&checks)?;
     Ok(verdict(&checks))
 }
 
@@ -209,14 +210,15 @@ fn second_and_last(tenths: &[f64]) -> Option<[f64; 2]> {
     Some([*tenths.get(1)?, *tenths.last()?])
 }
 
-fn print(scene: &impl Soak, figures: &SoakFigures) {
-    println!("{}, soaked for {:.0} s of simulated time", scene.title(), figures.simulated_seconds);
-    let row = |name: &str, value: String| println!("  {name:<28}{value}");
+fn print(scene: &impl Soak, figures: &SoakFigures) -> Result<()> {
+    let (title, seconds) = (scene.title(), figures.simulated_seconds);
+    print_line(format_args!("{title}, soaked for {seconds:.0} s of simulated time"))?;
+    let row = |name: &str, value: String| print_line(format_args!("  {name:<28}{value}"));
     let list =
         |values: &[f64]| values.iter().map(|value| format!("{value:.2}")).collect::<Vec<_>>().join(" ");
-    row("wall time", format!("{:.1} s", figures.wall_seconds));
-    row("steps, changes", format!("{}, {}", figures.steps, figures.changes));
-    row("step time by tenth (ms)", list(&figures.step_ms_by_tenth));
-    row("memory by tenth (MiB)", list(&figures.resident_mib_by_tenth));
-    row("entries of tables by tenth", format!("{:?}", figures.remembered_by_tenth));
+    row("wall time", format!("{:.1} s", figures.wall_seconds))?;
+    row("steps, changes", format!("{}, {}", figures.steps, figures.changes))?;
+    row("step time by tenth (ms)", list(&figures.step_ms_by_tenth))?;
+    row("memory by tenth (MiB)", list(&figures.resident_mib_by_tenth))?;
+    row("entries of tables by tenth", format!("{:?}", figures.remembered_by_tenth))
 }

@@ -110,8 +110,8 @@ impl Pair<'_> {
     /// They lie on the balls that are named, as far apart as the distance says.
     fn check_witnesses(&self, found: &Separation) {
         let rounding = 1e-5 * self.extent();
-        let (center_a, radius_a) = list(self.a, self.kind)[found.sphere_a];
-        let (center_b, radius_b) = list(self.b, self.kind)[found.sphere_b];
+        let (center_a, radius_a) = reference::balls(self.a, self.kind)[found.sphere_a];
+        let (center_b, radius_b) = reference::balls(self.b, self.kind)[found.sphere_b];
         let rotation = self.pose.rotation.normalize();
         let center_b = rotation * center_b + self.pose.translation;
         let apart = f64::from(found.point_a.distance(found.point_b) - found.distance);
@@ -193,18 +193,4 @@ impl Pair<'_> {
         };
         reach(self.a) + reach(self.b) + f64::from(self.pose.translation.abs().max_element())
     }
-}
-
-/// Balls of a tree by packing index: centre and radius (m).
-fn list(tree: &InnerSphereTree, kind: BallKind) -> Vec<(Vec3, f32)> {
-    let mut list = vec![(Vec3::ZERO, 0.0); tree.len()];
-    for (i, ball) in tree.volume_balls().enumerate() {
-        list[tree.packing_index(i)] = ball;
-    }
-    if kind == BallKind::Inner {
-        for (i, (center, radius, _)) in tree.inner_balls().enumerate() {
-            list[tree.packing_index(i)] = (center, radius);
-        }
-    }
-    list
 }

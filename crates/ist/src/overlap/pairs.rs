@@ -67,8 +67,8 @@ impl PairBuffer {
         self.len = 0;
     }
 
-    /// Appends the pairs of spheres that overlap, each of `lanes` with each of `list` in `range`; `placed` and `sink` take them when the
-    /// buffer is full.
+    /// Appends the pairs of spheres that overlap, each of `lanes` with each of `list` in `range`; `placed` and `sink`
+    /// take them when the buffer is full.
     ///
     /// Nothing here branches on the outcome of a test: about two blocks in three hold a hit, and a wrong guess of the
     /// processor costs more than a store of nothing.

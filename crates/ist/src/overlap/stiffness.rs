@@ -27,6 +27,7 @@ use glam::{DMat3, DVec3, Mat3};
 /// At the distances of two spheres' centres where their contact begins or one of them is wholly inside, V has no second
 /// derivative and this is the one from one side; pairs with coincident centres count as nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct StiffnessMatrix {
     /// By two translations (N/m for 1 N/m³).
     pub translation: Mat3,

@@ -1,9 +1,9 @@
 //! Which of the spheres of one tree that take part in an overlap are connected.
 //!
-//! Union-find over pairs of volume balls that meet, somewhat enlarged ([`REACH`]), found by a join of the tree with itself that visits only nodes above
-//! spheres that take part. Node by node from the bottom: by the time that two nodes are compared, most of them hold a single
-//! group, and two nodes of the same group need no look. Without that, spheres inside an overlap would be
-//! compared with all their neighbours.
+//! Union-find over pairs of volume balls that meet, somewhat enlarged ([`REACH`]), found by a join of the tree with
+//! itself that visits only nodes above spheres that take part. Node by node from the bottom: by the time that two
+//! nodes are compared, most of them hold a single group, and two nodes of the same group need no look. Without that,
+//! spheres inside an overlap would be compared with all their neighbours.
 
 use crate::InnerSphereTree;
 use crate::tree::{TreeData, WIDTH};

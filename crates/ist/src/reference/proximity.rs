@@ -1,8 +1,24 @@
 //! Distance by brute force.
 
 use crate::{BallKind, InnerSphereTree};
-use glam::DVec3;
+use alloc::vec::Vec;
+use glam::{DVec3, Vec3};
 use glamx::Pose3;
+
+/// Balls of a tree in the order of its packing: centre and radius (m).
+#[must_use]
+pub fn balls(tree: &InnerSphereTree, kind: BallKind) -> Vec<(Vec3, f32)> {
+    let mut balls = alloc::vec![(Vec3::ZERO, 0.0); tree.len()];
+    for (i, ball) in tree.volume_balls().enumerate() {
+        balls[tree.packing_index(i)] = ball;
+    }
+    if kind == BallKind::Inner {
+        for (i, (center, radius, _)) in tree.inner_balls().enumerate() {
+            balls[tree.packing_index(i)] = (center, radius);
+        }
+    }
+    balls
+}
 
 /// The nearest pair of balls.
 #[derive(Clone, Copy, Debug, PartialEq)]

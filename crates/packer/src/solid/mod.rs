@@ -46,6 +46,7 @@ pub fn diagnose(mesh: &TriangleMesh) -> Diagnosis {
 
 /// The surface point nearest to a query point.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SurfacePoint {
     /// The point (m).
     pub point: DVec3,

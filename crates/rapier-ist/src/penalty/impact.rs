@@ -90,8 +90,8 @@ impl Impact {
         step.before > -0.1 * self.speed
     }
 
-    /// The same contact after a step in which its normal forces had the impulse `impulse` and took the energy `lost`; `rebounds` where that was the
-    /// rebound.
+    /// The same contact after a step in which its normal forces had the impulse `impulse` and took the energy `lost`;
+    /// `rebounds` where that was the rebound.
     pub(crate) fn after(self, step: &ImpactStep, (impulse, lost): (Screw, f64), rebounds: bool) -> Self {
         if self.speed <= 0.0 {
             return self;

@@ -100,9 +100,9 @@ impl Sample {
 
     /// The normal velocity at which the law gives `force`, positive (N).
     ///
-    /// With `w = √(1 − δ u)`, `s = √(f / k V)` and x linear in w² this is the root of the cubic `w (A + B w²) = s`, convex and
-    /// rising where x is positive: Newton's method falls towards it after the first step. The root of x² alone where δ is not
-    /// positive.
+    /// With `w = √(1 − δ u)`, `s = √(f / k V)` and x linear in w² this is the root of the cubic `w (A + B w²) = s`,
+    /// convex and rising where x is positive: Newton's method falls towards it after the first step. The root of x²
+    /// alone where δ is not positive.
     pub(crate) fn velocity_of(&self, force: f64) -> f64 {
         let goal = (force / self.push).sqrt();
         if self.dissipation <= 0.0 {

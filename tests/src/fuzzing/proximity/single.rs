@@ -1,6 +1,5 @@
 //! Queries of one tree: points, balls, rays, half-spaces and surfaces.
 
-use super::list;
 use crate::fuzzing::numbers::{any_float, any_vector, below, moderate, moderate_vector, raw};
 use crate::fuzzing::solids::{Solid, point_near, reach, unit_vector};
 use arbitrary::Unstructured;
@@ -45,7 +44,7 @@ fn check_point(tree: &InnerSphereTree, kind: BallKind, point: Vec3, is_ordinary:
     let Some(found) = found else { unreachable!("{point} is near the tree") };
     let distance =
         |(center, radius): (Vec3, f32)| point.as_dvec3().distance(center.as_dvec3()) - f64::from(radius);
-    let list = list(tree, kind);
+    let list = reference::balls(tree, kind);
     let least = list.iter().map(|ball| distance(*ball)).fold(f64::INFINITY, f64::min);
     let rounding = ROUNDING * (reach(tree) + f64::from(point.length()));
     assert!((f64::from(found.distance) - least).abs() <= rounding, "{found:?}, not {least}");
@@ -69,7 +68,7 @@ fn check_ball(tree: &InnerSphereTree, kind: BallKind, (center, radius): (Vec3, f
         return;
     }
     let rounding = ROUNDING * (reach(tree) + f64::from(center.length() + radius));
-    for (sphere, (c, r)) in list(tree, kind).into_iter().enumerate() {
+    for (sphere, (c, r)) in reference::balls(tree, kind).into_iter().enumerate() {
         let gap = center.as_dvec3().distance(c.as_dvec3()) - f64::from(r) - f64::from(radius);
         assert!(gap.abs() <= rounding || found.binary_search(&sphere).is_ok() == (gap < 0.0), "{gap}");
     }
@@ -102,7 +101,7 @@ fn check_ray(tree: &InnerSphereTree, kind: BallKind, (ray, solid): (&Ray, bool),
     let rounding = ROUNDING * (reach(tree) + f64::from(ray.origin.length()));
     // No ball that is a little smaller may be hit earlier, and some ball that is a little larger is hit by then.
     let (mut latest, mut earliest) = (f64::INFINITY, f64::INFINITY);
-    for (center, radius) in list(tree, kind) {
+    for (center, radius) in reference::balls(tree, kind) {
         let (from, radius) = (ray.origin.as_dvec3() - center.as_dvec3(), f64::from(radius));
         let depth = radius - from.length();
         if depth.abs() <= 2.0 * rounding {

@@ -66,7 +66,7 @@ proptest! {
         for (tree, motion, sphere, point) in [
             (&a, &motions[0], impact.sphere_a, impact.point_a), (&b, &motions[1], impact.sphere_b, impact.point_b),
         ] {
-            let (center, radius) = list(tree, BallKind::Inner)[sphere];
+            let (center, radius) = reference::balls(tree, BallKind::Inner)[sphere];
             let outside = point.distance(motion.pose_at(impact.time) * center) - radius;
             let rounding = 2e-4;
             prop_assert!(outside.abs() < rounding || (impact.time == 0.0 && outside < rounding), "{outside}");

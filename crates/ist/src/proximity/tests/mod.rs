@@ -59,20 +59,6 @@ fn balls(list: &[(Vec3, f32)]) -> InnerSphereTree {
     tree_of(&spheres)
 }
 
-/// Balls of a tree by packing index: centre and radius (m).
-fn list(tree: &InnerSphereTree, kind: BallKind) -> Vec<(Vec3, f32)> {
-    let mut list = alloc::vec![(Vec3::ZERO, 0.0); tree.len()];
-    for (i, ball) in tree.volume_balls().enumerate() {
-        list[tree.packing_index(i)] = ball;
-    }
-    if kind == BallKind::Inner {
-        for (i, (center, radius, _)) in tree.inner_balls().enumerate() {
-            list[tree.packing_index(i)] = (center, radius);
-        }
-    }
-    list
-}
-
 /// Largest coordinate of the balls of two trees (m): what rounding is relative to.
 fn extent(a: &InnerSphereTree, b: &InnerSphereTree, pose: &Pose3) -> f32 {
     let reach = |tree: &InnerSphereTree| {

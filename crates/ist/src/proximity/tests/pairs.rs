@@ -106,8 +106,8 @@ fn check_witnesses(
     found: &Separation,
 ) -> Result<(), TestCaseError> {
     let rounding = 1e-5 * extent(a, b, pose);
-    let (center_a, radius_a) = list(a, kind)[found.sphere_a];
-    let (center_b, radius_b) = list(b, kind)[found.sphere_b];
+    let (center_a, radius_a) = reference::balls(a, kind)[found.sphere_a];
+    let (center_b, radius_b) = reference::balls(b, kind)[found.sphere_b];
     let center_b = *pose * center_b;
     prop_assert!((found.point_a.distance(found.point_b) - found.distance).abs() <= rounding);
     prop_assert!((found.normal.length() - 1.0).abs() < 1e-5);

@@ -1,6 +1,7 @@
 //! Points, balls and rays against one tree.
 
 use super::*;
+use crate::reference;
 use core::ops::ControlFlow;
 
 /// Way along a unit direction to the first surface of a ball.
@@ -24,7 +25,7 @@ proptest! {
     ) {
         let point = Vec3::from(point);
         let found = tree.nearest_sphere(point, kind).unwrap();
-        let list = list(&tree, kind);
+        let list = reference::balls(&tree, kind);
         let distance = |(center, radius): (Vec3, f32)| {
             point.as_dvec3().distance(center.as_dvec3()) - f64::from(radius)
         };
@@ -58,7 +59,7 @@ proptest! {
         let count = found.len();
         found.dedup();
         prop_assert_eq!(found.len(), count, "each once");
-        for (sphere, (c, r)) in list(&tree, kind).into_iter().enumerate() {
+        for (sphere, (c, r)) in reference::balls(&tree, kind).into_iter().enumerate() {
             let gap = center.distance(c) - r - radius;
             if gap.abs() > 1e-5 * (tree.bounding_ball().1 + radius) {
                 prop_assert_eq!(found.binary_search(&sphere).is_ok(), gap < 0.0);
@@ -84,7 +85,7 @@ proptest! {
         let Some(unit) = (aim - origin).try_normalize() else { return Ok(()) };
         let ray = Ray { origin, direction: unit * length, max_time };
         let hit = tree.cast_ray(&ray, solid, kind);
-        let list = list(&tree, kind);
+        let list = reference::balls(&tree, kind);
         let ways = list.iter().filter_map(|&ball| way_to_ball(origin, unit, ball, solid));
         let first = ways.fold(f64::INFINITY, f64::min) / f64::from(length);
         // Where a ray grazes, the way changes with the root of the rounding.

@@ -1,7 +1,7 @@
 //! Time of impact with solids of known distance.
 
 use super::*;
-use crate::SurfaceDistance;
+use crate::{SurfaceDistance, reference};
 
 /// The solid around a hollow ball: nowhere convex.
 fn hollow(radius: f32) -> impl Fn(Vec3) -> SurfaceDistance {
@@ -34,7 +34,7 @@ fn gap_at(
 ) -> f32 {
     let [a, b] = [0, 1].map(|i| motions[i].pose_at(time));
     let pose = b.inverse() * a;
-    let balls = list(tree, BallKind::Volume);
+    let balls = reference::balls(tree, BallKind::Volume);
     balls.iter().map(|(c, r)| surface(pose * *c).distance - r).fold(f32::INFINITY, f32::min)
 }
 

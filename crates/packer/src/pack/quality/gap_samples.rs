@@ -1,8 +1,9 @@
 //! Points spread evenly over the gaps: the part of the solid that no inner ball fills.
 //!
 //! Cubes are refined level by level; those wholly outside the solid or wholly in one ball are dropped, until
-//! enough are left; of more, a random part is refined further. All have the same volume, so the same number of random points in each, less those that are
-//! in no gap, is a uniform sample of the gaps, even in a rod that fills a millionth of its bounding box.
+//! enough are left; of more, a random part is refined further. All have the same volume, so the same number of random
+//! points in each, less those that are in no gap, is a uniform sample of the gaps, even in a rod that fills a
+//! millionth of its bounding box.
 
 use super::ball_tree::BallTree;
 use crate::Solid;

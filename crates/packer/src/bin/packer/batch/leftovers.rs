@@ -1,8 +1,9 @@
 //! Temporary files of killed runs.
 //!
-//! The name of a temporary file holds the hash of the path of the mesh it was for. A run removes those of its own shard only, and
-//! so leaves alone what the other shards are writing. Should the same shard run twice at once, by mistake or because
-//! a cluster thought it dead, the one whose file was taken away writes it again (`output::write_tagged`).
+//! The name of a temporary file holds the hash of the path of the mesh it was for. A run removes those of its own
+//! shard only, and so leaves alone what the other shards are writing. Should the same shard run twice at once, by
+//! mistake or because a cluster thought it dead, the one whose file was taken away writes it again
+//! (`output::write_tagged`).
 
 use super::shard::{Shard, hash_of_tag};
 use crate::output::UNFINISHED;
