@@ -1,6 +1,6 @@
 //! Which of many triangles is nearest to a point.
 
-use rapier3d::glamx::{BVec4A, Vec4};
+use rapier3d::glamx::Vec4;
 use rapier3d::math::{Real, Vector};
 use rapier3d::parry::query::PointQueryWithLocation;
 use rapier3d::parry::shape::{Triangle, TrianglePointLocation};
@@ -45,9 +45,10 @@ impl NearestTriangle {
         self.square
     }
 
-    /// Whether the nearest triangle may lie in boxes at these squared distances (m²).
-    pub(crate) fn may_hold_nearest(&self, squares: Vec4) -> BVec4A {
-        (squares * (1.0 - ROUNDING)).cmplt(Vec4::splat(self.square))
+    /// In which of the boxes at these squared distances (m²) the nearest triangle may lie: one bit each, from the lowest.
+    pub(crate) fn may_hold_nearest(&self, squares: Vec4) -> u32 {
+        // No mask leaves this function: its type depends on the target and on whether glam has SIMD.
+        (squares * (1.0 - ROUNDING)).cmplt(Vec4::splat(self.square)).bitmask()
     }
 
     pub(crate) fn see(&mut self, index: u32, triangle: &Triangle) {

@@ -62,7 +62,7 @@ impl TriangleTree {
         while count > 0 {
             count -= 1;
             let (square, child) = pending[count];
-            if !search.may_hold_nearest(Vec4::splat(square)).any() {
+            if search.may_hold_nearest(Vec4::splat(square)) == 0 {
                 continue;
             }
             if child & IS_TRIANGLE != 0 {
@@ -74,7 +74,7 @@ impl TriangleTree {
             let first = count;
             for half in 0..WIDTH / LANES {
                 let squares = node.squared_distances(half, search.point());
-                let mut near = search.may_hold_nearest(squares).bitmask();
+                let mut near = search.may_hold_nearest(squares);
                 let squares = squares.to_array();
                 while near != 0 {
                     let lane = near.trailing_zeros() as usize;
