@@ -103,8 +103,9 @@ impl Case<'_> {
         }
         let overlap = self.overlap(OverlapQuery::default());
         let volume: f64 = samples.iter().map(|s| f64::from(s.volume)).sum();
-        // Each sample is rounded to f32, which has no digits left at the lower end.
-        let slack = 1e-4 * f64::from(overlap.volume) + 1e-44 * (1.0 + samples.len() as f64);
+        // Each lens is rounded to f32 in units of A's size and once more in m³; at the lower end f32 has no digits left.
+        let quantum = 1e-44 * reach(self.a).powi(3).max(1.0);
+        let slack = 1e-4 * f64::from(overlap.volume) + quantum * (1.0 + samples.len() as f64);
         assert!(volume.is_infinite() || (volume - f64::from(overlap.volume)).abs() <= slack || volume > 3e38);
     }
 
