@@ -6,12 +6,12 @@ use super::block_matrix::BlockMatrix;
 /// Most iterations; a matrix of n bodies needs no more than 6 n in exact arithmetic.
 const MAX_ITERATIONS: usize = 400;
 
-/// Improves the solution `x` of `matrix · x = rhs` until `is_done` says so of the residual.
+/// Improves the solution `x` of `matrix · x = rhs` until `is_done` says so of the residual and of `x`.
 pub(crate) fn conjugate_gradients(
     matrix: &BlockMatrix,
     rhs: &[[f64; 6]],
     x: &mut [[f64; 6]],
-    is_done: impl Fn(&[[f64; 6]]) -> bool,
+    is_done: impl Fn(&[[f64; 6]], &[[f64; 6]]) -> bool,
 ) {
     let mut image = vec![[0.0; 6]; rhs.len()];
     matrix.times(x, &mut image);
@@ -20,7 +20,7 @@ pub(crate) fn conjugate_gradients(
     let mut z = image.clone();
     let (mut direction, mut rz) = (Vec::new(), 0.0);
     for iteration in 0..MAX_ITERATIONS {
-        if is_done(&residual) {
+        if is_done(&residual, x) {
             break;
         }
         matrix.precondition(&residual, &mut z);
