@@ -17,7 +17,7 @@ use rapier3d::glamx::{DMat3, DVec3};
 ///
 /// A share of the right-hand side bounds nothing. That holds what contacts would do at velocities at which they were
 /// linearised, and stiff ones, seen from afar, cancel: with 1e-7 of it, bodies of 0.5 kg wedged in one of 0.5 m left a solve at
-/// 1,000 m/s and the next at 1e6. Not tuned: piles under gravity stop by their load, and that of 40 bodies is the same to the last
+/// 1,000 m/s and the next at 1e6. Not tuned: piles under gravity stop by their load, and one of 20 bodies is the same to the last
 /// bit with either.
 const TOLERANCE: f64 = 1e-6;
 
