@@ -52,6 +52,20 @@ fn the_depth_is_lipschitz_on_every_asset() {
     }
 }
 
+/// Where the squares of coordinates overflow, a Voronoi vertex counted as a place for a ball of 1e154 m.
+#[test]
+fn issue_what_is_far_away_is_outside() {
+    let solid = Solid::new(&cuboid(DVec3::ZERO, DVec3::ONE)).unwrap();
+    for exponent in 1..=307 {
+        let far = 1.8 * 10.0_f64.powi(exponent);
+        for toward in [DVec3::X, DVec3::NEG_Y, DVec3::new(1.0, 0.7, 0.3), DVec3::new(-0.2, 0.5, -1.0)] {
+            let p = DVec3::new(0.5, -2.5, -0.1) + far * toward;
+            assert!(!solid.contains(p), "{p}");
+            assert!(!solid.closest_point(p).depth.is_nan(), "{p}");
+        }
+    }
+}
+
 /// Folded slivers gave a pseudonormal of the wrong side at corners: a sphere stood outside the gear.
 #[test]
 fn issue_folded_slivers_do_not_turn_the_outside_in() {

@@ -138,7 +138,8 @@ impl Solid {
     pub(crate) fn closest_point_within(&self, p: DVec3, bound: f64) -> Option<SurfacePoint> {
         let nearest = self.surface.bvh.nearest(p, bound * bound)?;
         let depth = nearest.distance_squared.sqrt();
-        let depth = if self.is_outside(p, &nearest) { -depth } else { depth };
+        // Far out differences are lost in rounding, or overflow, and their signs are worth nothing.
+        let depth = if !self.bounds_hold(p) || self.is_outside(p, &nearest) { -depth } else { depth };
         Some(SurfacePoint { point: nearest.point, depth, triangle: nearest.triangle })
     }
 
@@ -156,6 +157,11 @@ impl Solid {
         let first = winds(0.531_702, 0.274_161, 0.801_343);
         let second = winds(-0.661_329, 0.722_457, 0.201_711);
         if first == second { first } else { winds(0.172_343, -0.812_929, -0.556_261) }
+    }
+
+    fn bounds_hold(&self, p: DVec3) -> bool {
+        let (lower, upper) = self.bounds;
+        lower.cmple(p).all() && p.cmple(upper).all()
     }
 
     /// Whether the surface is folded or cuts itself somewhere, so that [`Self::contains`] is worth a second opinion.
