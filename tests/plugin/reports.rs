@@ -78,6 +78,19 @@ fn two_walls_of_one_solid_are_two_patches() {
 }
 
 #[test]
+fn issue_no_contact_is_deeper_than_the_smaller_body() {
+    // Wholly inside and nearly so: there a ball has next to no cross-section.
+    for distance in [0.0, 0.1, 0.25, 0.395, 0.4, 0.42, 0.5, 0.55] {
+        let (mut world, mut plugin) = weightless();
+        world.insert(RigidBodyBuilder::fixed(), ball_of(0.5).into_collider());
+        world.insert(dynamic(Vector::new(0.3, 0.5, 0.8).normalize() * distance), ball_collider());
+        for contact in &plugin.step(&mut world).contacts {
+            assert!(contact.depth > 0.0 && contact.depth < 0.2 * 1.01, "{} m at {distance} m", contact.depth);
+        }
+    }
+}
+
+#[test]
 fn contacts_start_persist_and_stop() {
     let (mut world, mut plugin) = grounded();
     let (body, collider) = world.insert(dynamic(Vector::Y * 0.3).can_sleep(false), ball_collider());

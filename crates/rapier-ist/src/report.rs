@@ -52,7 +52,7 @@ pub struct PairContact {
     pub state: ContactState,
     /// Overlap volume (m³).
     pub volume: f32,
-    /// Penetration depth V/A of the deepest patch (m), with A the patch's cross-section.
+    /// The greatest [depth](PatchContact::depth) of a patch (m).
     pub depth: f32,
     /// Centroid of the overlap (m).
     pub centroid: Vector,
@@ -72,7 +72,8 @@ pub struct PatchContact {
     pub pair: usize,
     /// Overlap volume (m³).
     pub volume: f32,
-    /// Penetration depth V/A (m), with A the patch's cross-section.
+    /// Penetration depth V/A (m), with A the patch's cross-section, and at most the extent of the overlap along the
+    /// patch's push: a body wholly inside another has no cross-section.
     pub depth: f32,
     /// Centroid of this part of the overlap (m).
     pub centroid: Vector,

@@ -64,7 +64,6 @@ impl PairContacts {
         let free = relative_twist(states.map(|state| (state, state.predicted)), origin);
         let patches = patches(&contact.samples);
         let whole = material.stiffness * volume;
-        let depth = patches.iter().map(|patch| patch.depth).fold(0.0, f64::max);
         let place = |point: DVec3| point - back(point) - origin;
         let mean = |twist: Screw| {
             let part = |s: &ContactSample| {
@@ -133,7 +132,8 @@ impl PairContacts {
                 s.linearize_at(s.velocity);
             }
         }
-        let patches = patches.iter().map(|patch| PatchSum::of(patch, place)).collect();
+        let patches: Vec<_> = patches.iter().map(|patch| PatchSum::of(patch, place)).collect();
+        let depth = patches.iter().map(|patch| patch.depth).fold(0.0, f64::max);
         let movable = states.into_iter().filter(|state| state.is_movable());
         let load = movable.map(|state| state.external.linear.length()).fold(f64::INFINITY, f64::min);
         let (offset, damping) = (Screw::ZERO, Symmetric6::ZERO);

@@ -28,6 +28,8 @@ pub(crate) struct Patch<'a> {
     pub(crate) samples: Vec<&'a ContactSample>,
     /// Volume over cross-section (m).
     pub(crate) depth: f64,
+    /// Extent of the overlap along the push (m): what is reported is no deeper.
+    pub(crate) extent: f64,
 }
 
 /// Sorts `samples` into patches, in the order of their first samples.
@@ -43,19 +45,31 @@ pub(crate) fn patches(samples: &[ContactSample]) -> Vec<Patch<'_>> {
             _ => groups.push((sample.normal, vec![sample])),
         }
     }
-    groups.into_iter().map(|(_, samples)| Patch { depth: depth(&samples), samples }).collect()
+    groups.into_iter().map(|(_, samples)| Patch::of(samples)).collect()
 }
 
-fn depth(samples: &[&ContactSample]) -> f64 {
+impl<'a> Patch<'a> {
+    fn of(samples: Vec<&'a ContactSample>) -> Self {
+        let push: DVec3 = samples.iter().map(|s| s.normal.as_dvec3() * f64::from(s.volume)).sum();
+        let direction = push.normalize_or_zero();
+        Self { depth: depth(&samples, direction), extent: extent(&samples, direction), samples }
+    }
+}
+
+fn depth(samples: &[&ContactSample], direction: DVec3) -> f64 {
     let volume: f64 = samples.iter().map(|s| f64::from(s.volume)).sum();
-    let push: DVec3 = samples.iter().map(|s| s.normal.as_dvec3() * f64::from(s.volume)).sum();
     let separation: DVec3 = samples.iter().map(|s| s.separation.as_dvec3()).sum();
     let size = libm::cbrt(volume);
-    volume
-        / separation
-            .dot(push.normalize_or_zero())
-            .max(LEAST_CROSS_SECTION * size * size)
-            .max(f64::MIN_POSITIVE)
+    volume / separation.dot(direction).max(LEAST_CROSS_SECTION * size * size).max(f64::MIN_POSITIVE)
+}
+
+/// From the lowest sample to the highest, and the largest of them itself: two balls share no lens that is thicker than
+/// a ball of its volume.
+fn extent(samples: &[&ContactSample], direction: DVec3) -> f64 {
+    let heights = || samples.iter().map(|s| s.point.as_dvec3().dot(direction));
+    let spread = heights().fold(f64::NEG_INFINITY, f64::max) - heights().fold(f64::INFINITY, f64::min);
+    let largest = samples.iter().map(|s| f64::from(s.volume)).fold(0.0, f64::max);
+    spread + libm::cbrt(largest * 6.0 / core::f64::consts::PI)
 }
 
 #[cfg(test)]
@@ -80,5 +94,16 @@ mod tests {
         let samples = [sample(Vec3::Y, 0.001, 0.0)];
         let patches = patches(&samples);
         assert!((patches[0].depth - 0.1 / LEAST_CROSS_SECTION).abs() < 1e-6);
+        assert!((patches[0].extent - 0.1240701).abs() < 1e-6, "diameter of the ball of a litre");
+    }
+
+    #[test]
+    fn the_extent_of_a_spike_is_its_length() {
+        let mut samples = [sample(Vec3::Y, 1e-6, 0.0); 11];
+        for (i, sample) in samples.iter_mut().enumerate() {
+            sample.point = Vec3::new(0.3, 0.01 * i as f32, -0.2);
+        }
+        let patches = patches(&samples);
+        assert!((patches[0].extent - 0.1124070).abs() < 1e-6, "ten gaps of 1 cm and a ball of 1 cm³");
     }
 }

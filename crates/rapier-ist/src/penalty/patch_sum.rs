@@ -10,6 +10,7 @@ pub(crate) struct PatchSum {
     /// Number of its samples.
     pub(super) count: usize,
     pub(crate) volume: f64,
+    /// As reported (m): V/A within the extent of the overlap.
     pub(crate) depth: f64,
     /// From the origin of the pair to the centroid of the patch.
     pub(crate) arm: DVec3,
@@ -25,7 +26,7 @@ impl PatchSum {
         Self {
             count: patch.samples.len(),
             volume,
-            depth: patch.depth,
+            depth: patch.depth.min(patch.extent),
             arm: arm(moment / volume.max(f64::MIN_POSITIVE)),
             offset: Screw::ZERO,
             damping: Symmetric6::ZERO,
