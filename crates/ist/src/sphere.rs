@@ -33,9 +33,7 @@ impl InnerSphere {
     }
 
     /// Radius `ρ = (3v/4π)^⅓` (m) of the ball that has the volume of the power cell; at least [`Self::radius`].
-    ///
-    #[must_use]
-    pub fn volume_radius(&self) -> f32 {
+    pub(crate) fn volume_radius(&self) -> f32 {
         volume_radius(self.cell_volume).max(self.radius)
     }
 
