@@ -61,13 +61,13 @@ fn torques_are_those_of_the_samples_about_any_point() {
             let overlap = a.overlap_with(&b, &pose, query, &mut workspace);
             samples.clear();
             a.contact_samples(&b, &pose, &mut workspace, &mut samples);
-            let area: f64 = samples.iter().map(|s| s.separation.as_dvec3().length()).sum();
+            let area: f64 = samples.iter().map(|s| s.vector_area.as_dvec3().length()).sum();
             for point in [overlap.centroid, Vec3::ZERO, Vec3::new(3.0, -2.0, 1.0), pose.translation] {
                 let (mut torque, mut arms) = (DVec3::ZERO, 0.0);
                 for sample in &samples {
                     let arm = (sample.point - point).as_dvec3();
-                    torque += arm.cross(sample.separation.as_dvec3());
-                    arms += arm.length() * sample.separation.as_dvec3().length();
+                    torque += arm.cross(sample.vector_area.as_dvec3());
+                    arms += arm.length() * sample.vector_area.as_dvec3().length();
                 }
                 let arm = (overlap.centroid - point).as_dvec3();
                 let shifted = overlap.torque.as_dvec3() + arm.cross(overlap.force.as_dvec3());

@@ -76,7 +76,7 @@ fn every_line_lies_on_a_sphere_and_every_sphere_has_its_circles() {
 fn the_largest_spheres_are_drawn_first() {
     let (world, ..) = scene();
     let mut outlines =
-        SphereOutlines::from(OutlineOptions { most_spheres: 1, circles: 1, ..Default::default() });
+        SphereOutlines::from(OutlineOptions { max_spheres: 1, circles: 1, ..Default::default() });
     let lines = draw(&mut outlines, &world, DebugRenderMode::COLLIDER_SHAPES).lines;
     assert_eq!(lines.len(), 24);
     let chord = 2.0 * 0.3 * (std::f32::consts::PI / 24.0).sin();

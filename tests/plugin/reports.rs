@@ -91,6 +91,27 @@ fn issue_no_contact_is_deeper_than_the_smaller_body() {
 }
 
 #[test]
+fn issue_a_tree_keeps_its_own_skin() {
+    let skinned = || IstShape::new(ball().tree().with_skin(0.02).unwrap());
+    // Either ball may have the skin, as a tree or as the collider's contact skin.
+    let pairs = [
+        [ball().into_collider(), skinned().into_collider()],
+        [skinned().into_collider(), ball().into_collider()],
+        [ball().into_collider().contact_skin(0.02), ball().into_collider()],
+    ];
+    let volumes = pairs.map(|[a, b]| {
+        let (mut world, mut plugin) = weightless();
+        world.insert(dynamic(Vector::ZERO), a);
+        world.insert(dynamic(Vector::X * 0.215), b);
+        plugin.step(&mut world).contacts[0].volume
+    });
+    assert!(volumes.iter().all(|volume| (volume / volumes[2] - 1.0).abs() < 1e-3), "{volumes:?}");
+    let (mut world, mut plugin) = grounded();
+    world.insert(dynamic(Vector::Y * 0.115), skinned().into_collider());
+    assert_eq!(plugin.step(&mut world).contacts.len(), 1);
+}
+
+#[test]
 fn contacts_start_persist_and_stop() {
     let (mut world, mut plugin) = grounded();
     let (body, collider) = world.insert(dynamic(Vector::Y * 0.3).can_sleep(false), ball_collider());

@@ -56,8 +56,8 @@ fn a_fast_body_goes_through_no_thin_plate() {
     stops(ContactModel::VolumeManifold);
 }
 
-/// Rapier stops the body in front of the plate and leaves its velocity to the contact; the penalty looks ahead in steps that
-/// are longer than the plate is thick, finds none, and the next steps take the body through.
+/// Rapier stops the body in front of the plate and leaves its velocity to the contact, which a step longer than the plate is
+/// thick would pass over: the penalty measures it on the way.
 #[test]
 fn a_fast_body_goes_through_no_thin_plate_under_the_penalty() {
     stops(ContactModel::default());

@@ -28,6 +28,8 @@ const CHECKSUM: usize = 4;
 const MAX_PROVENANCE: usize = 1 << 16;
 
 /// Where a packing comes from, so that a cached file can be compared with a new request.
+///
+/// A file holds each as one line: control characters become blanks, and what is beyond 4,096 characters is left out.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Provenance {
     /// Program and version that made the packing, for example `rapier-ist-packer 0.1.0`.

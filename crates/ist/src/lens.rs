@@ -20,8 +20,6 @@ pub struct Lens {
     pub area: f64,
     /// Signed distance of the centroid from the first centre (m).
     pub centroid: f64,
-    /// Signed distance of the intersection circle's plane from the first centre (m).
-    pub circle: f64,
     /// Second derivative of the volume by the distance d of the centres (m): with the disc's area π(a² − x²) and
     /// dx/dd = (d − x)/d it is 2πx(d − x)/d. Zero where one ball contains the other.
     pub curvature: f64,
@@ -35,7 +33,7 @@ impl Lens {
     pub fn new(a: f64, b: f64, d: f64) -> Self {
         let h = a + b - d;
         if h <= 0.0 {
-            return Self { volume: 0.0, area: 0.0, centroid: 0.0, circle: 0.0, curvature: 0.0 };
+            return Self { volume: 0.0, area: 0.0, centroid: 0.0, curvature: 0.0 };
         }
         // Concentric balls: any positive distance gives the same clamped heights.
         let d = d.max(SQUARABLE);
@@ -47,13 +45,7 @@ impl Lens {
         let (moment_a, moment_b) = (PI / 4.0 * (chord_a * chord_a), PI / 4.0 * (chord_b * chord_b));
         let area = PI * h_a * (2.0 * a - h_a);
         let curvature = if area > 0.0 { 2.0 * PI * (a - h_a) * (b - h_b) / d } else { 0.0 };
-        Self {
-            volume,
-            area,
-            centroid: (moment_a + d * cap_b - moment_b) / volume,
-            circle: a - h_a,
-            curvature,
-        }
+        Self { volume, area, centroid: (moment_a + d * cap_b - moment_b) / volume, curvature }
     }
 }
 
@@ -98,8 +90,6 @@ mod tests {
         let textbook =
             PI * (a + b - d).powi(2) * (d * d + 2.0 * d * (a + b) - 3.0 * (a - b).powi(2)) / (12.0 * d);
         assert!((Lens::new(a, b, d).volume - textbook).abs() < 1e-15);
-        let circle = (d * d + a * a - b * b) / (2.0 * d);
-        assert!((Lens::new(a, b, d).circle - circle).abs() < 1e-15);
     }
 
     proptest! {

@@ -63,8 +63,8 @@
 //! # }
 //! ```
 //!
-//! **What overlap tells.** Queries take the pose of B in A's frame and memory that is used again. Forces are for 1
-//! N/m³ and act on B; A feels the opposite.
+//! **What overlap tells.** Queries take the pose of B in A's frame and memory that is used again. Forces are for a
+//! stiffness of 1 N/m³ and act on B; A feels the opposite.
 //!
 //! ```
 //! # use glam::{DMat3, DVec3, Vec3};
@@ -136,8 +136,8 @@
 //! # }
 //! ```
 //!
-//! Units are SI throughout (m, m², m³, N, N·m); frames are named by suffix: `_a` for the frame of the first
-//! solid, `_b` for the second.
+//! Units are SI throughout (m, m², m³, N, N·m). `_a` and `_b` tell which solid something belongs to; the frame is that of A, but
+//! for impacts the world.
 //!
 //! # Features
 //! - `std` (default): file access, queries within a budget.

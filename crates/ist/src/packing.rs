@@ -23,7 +23,7 @@ pub enum PackingError {
     /// There is no sphere.
     #[error("a packing needs at least one sphere")]
     Empty,
-    /// More spheres than a 32-bit index counts.
+    /// 2³¹ spheres or more.
     #[error("{0} spheres are more than a packing can index; pack fewer than 2^31")]
     TooMany(usize),
     /// A sphere has a number that no sphere can have.

@@ -27,7 +27,7 @@ pub struct ReferenceOverlap {
     /// Second derivative of the volume by a translation t (first three rows and columns, m) and a rotation vector ω
     /// (last three, m²/rad and m³/rad²) about [`Self::centroid`]: B is displaced by x ↦ t + exp(ω)x.
     pub stiffness: [[f64; 6]; 6],
-    /// Sum of the absolute terms of [`Self::stiffness`]: the scale of its rounding errors.
+    /// Sum of |V''| + |V'/d| over all pairs (m): the scale of rounding errors of the translations in [`Self::stiffness`].
     pub stiffness_scale: f64,
     /// Overlapping pairs of spheres.
     pub pairs: u32,

@@ -84,8 +84,8 @@ mod tests {
             }
             prop_assert_eq!(tree.overlap_with_surface(Moved(at)), tree.overlap_with_surface(moved));
             let (mut few, mut all) = (Vec::new(), Vec::new());
-            let clearance = tree.contact_samples_with(Moved(at), &mut few);
-            let most = tree.contact_samples_with(moved, &mut all);
+            let clearance = tree.contact_samples_with_surface(Moved(at), &mut few);
+            let most = tree.contact_samples_with_surface(moved, &mut all);
             prop_assert_eq!(few, all);
             prop_assert!(clearance >= 0.0 && clearance <= most + 1e-6, "{} {}", clearance, most);
             let [lazy, known] = [

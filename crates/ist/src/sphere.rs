@@ -3,7 +3,7 @@
 use core::f32::consts::PI;
 use glam::Vec3;
 
-/// One sphere of a packing, with the two radii that make the method accurate.
+/// One sphere of a packing, with what makes the method accurate.
 ///
 /// - `radius` is *certified*: that ball lies inside the mesh and meets no other ball of the packing.
 ///   Separation distances, "never a false hit" and the linear-time theorem rest on it.

@@ -37,7 +37,7 @@ fn overlap(a: &InnerSphereTree, b: &InnerSphereTree, pose: &Pose3, law: ForceLaw
 fn area(a: &InnerSphereTree, b: &InnerSphereTree, pose: &Pose3) -> f32 {
     let mut samples = Vec::new();
     a.contact_samples(b, pose, &mut OverlapWorkspace::default(), &mut samples);
-    samples.iter().map(|sample| sample.separation.length()).sum()
+    samples.iter().map(|sample| sample.vector_area.length()).sum()
 }
 
 /// What B feels when it is A, and A is B: the opposite, in the other frame. Torques are about the same centroid.
@@ -103,9 +103,9 @@ proptest! {
         let mut samples = Vec::new();
         a.contact_samples(&b, &pose, &mut OverlapWorkspace::default(), &mut samples);
         let about = |pivot: Vec3| -> Vec3 {
-            samples.iter().map(|s| (s.point - pivot).cross(s.separation)).sum()
+            samples.iter().map(|s| (s.point - pivot).cross(s.vector_area)).sum()
         };
-        let arms: f32 = samples.iter().map(|s| (s.point - point).length() * s.separation.length()).sum();
+        let arms: f32 = samples.iter().map(|s| (s.point - point).length() * s.vector_area.length()).sum();
         let slack = 3e-5 * (arms + (result.centroid - point).length() * area(&a, &b, &pose));
         prop_assert!((about(result.centroid) - result.torque).length() <= slack);
         let shifted = result.torque + (result.centroid - point).cross(result.force);

@@ -22,7 +22,7 @@ impl TriangleMesh {
         self.triangles[index].map(|v| self.vertices[v as usize])
     }
 
-    /// Corners of the smallest axis-aligned box around the vertices (m).
+    /// Corners of the smallest axis-aligned box around the vertices (m); without vertices (+∞, −∞).
     #[must_use]
     pub fn bounds(&self) -> (DVec3, DVec3) {
         let empty = (DVec3::INFINITY, DVec3::NEG_INFINITY);

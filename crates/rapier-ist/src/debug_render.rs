@@ -37,7 +37,7 @@ pub enum OutlineColors {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutlineOptions {
     /// Most spheres drawn of one solid, the largest of it; 300 by default.
-    pub most_spheres: usize,
+    pub max_spheres: usize,
     /// Which balls are drawn: the certified inner ones by default.
     pub balls: BallKind,
     /// Circles around each sphere, across the axes of the collider: from 0 to 3, the default.
@@ -48,7 +48,7 @@ pub struct OutlineOptions {
 
 impl Default for OutlineOptions {
     fn default() -> Self {
-        Self { most_spheres: 300, balls: BallKind::Inner, circles: 3, colors: OutlineColors::Body }
+        Self { max_spheres: 300, balls: BallKind::Inner, circles: 3, colors: OutlineColors::Body }
     }
 }
 
@@ -73,7 +73,7 @@ impl SphereOutlines {
     /// Draws circles of `pipeline.style.subdivisions` lines (at least 3), if `pipeline.mode` has
     /// [`DebugRenderMode::COLLIDER_SHAPES`] and the backend's filter lets the collider through.
     ///
-    /// Draws O(spheres) lines, and takes that much time, for each solid.
+    /// Draws lines in proportion to the circles; O(n log n) for the n spheres of each solid, as the largest are found by sorting.
     pub fn render(
         &mut self,
         pipeline: &DebugRenderPipeline,
@@ -113,7 +113,7 @@ impl SphereOutlines {
     ) {
         let Some(tree) = shape.as_shape::<IstShape>().map(IstShape::tree) else { return };
         self.spheres.clear();
-        let OutlineOptions { most_spheres, balls, circles, colors } = self.options;
+        let OutlineOptions { max_spheres, balls, circles, colors } = self.options;
         match balls {
             BallKind::Volume => self.spheres.extend(tree.volume_balls()),
             BallKind::Inner => {
@@ -124,7 +124,7 @@ impl SphereOutlines {
         self.spheres.sort_by(|a, b| b.1.total_cmp(&a.1));
         let radius = |sphere: Option<&(Vector, Real)>| sphere.map_or(0.0, |sphere| sphere.1);
         let (largest, smallest) = (radius(self.spheres.first()), radius(self.spheres.last()));
-        for &(center, radius) in self.spheres.iter().take(most_spheres) {
+        for &(center, radius) in self.spheres.iter().take(max_spheres) {
             let color = match colors {
                 OutlineColors::Body => color,
                 OutlineColors::Radius => {

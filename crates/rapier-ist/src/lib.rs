@@ -2,8 +2,8 @@
 //!
 //! Rapier's triangle meshes are hollow. An [`IstShape`] has an inside: an inner sphere tree (crate
 //! `rapier-ist-core`) that tells how much two solids overlap. An [`IstPlugin`] steps the world and pushes overlapping
-//! bodies apart with a force in proportion to the volume, found by one linearly implicit solve per step, which is
-//! stable at any stiffness.
+//! bodies apart with a force in proportion to the volume, found by a linearly implicit solve, which is stable at any
+//! stiffness.
 //!
 //! ```
 //! use ist::{InnerSphere, SolidProperties, SpherePacking};

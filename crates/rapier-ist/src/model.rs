@@ -66,6 +66,9 @@ impl VolumePenalty {
 }
 
 /// Force per overlap volume.
+///
+/// Contacts are rigid, and no stiffer, from 1e8 m/(h²L²) on, with the lighter body's mass m (kg), the time step h (s) and the
+/// smaller body's size L (m).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Stiffness {
     /// From the lighter body's weight and the smaller body's size.

@@ -70,7 +70,7 @@ pub struct IstPlugin {
     ///
     /// Every substep is a whole step of `dt` over this number: queries, solve, Rapier's step with its events.
     /// Forces of the user act in each, and position-based kinematic bodies go their way evenly. The report is
-    /// that of the last substep but for the times; `stopped` compares with the whole step before.
+    /// that of the last substep, but times, candidates and the dispatcher's replacement are of the whole step; `stopped` compares with the whole step before.
     pub substeps: u32,
     report: StepReport,
     memory: Memory,
@@ -198,7 +198,9 @@ impl IstPlugin {
         self.stiffness.collider(collider)
     }
 
-    /// Asks `law` for the stiffness (N/m³) of every pair that overlaps, in every step; it has the last word.
+    /// Asks `law` for the stiffness (N/m³) of every pair that overlaps: once in a step, and again, up to three times in each
+    /// substep, where a pair is measured anew. What it says counts, up to the greatest stiffness that is solved, see
+    /// [`Stiffness`](crate::Stiffness).
     ///
     /// Negative values and NaN count as 0. Pairs are asked one after the other, in the order of their handles.
     ///

@@ -49,7 +49,8 @@ fn contact(
     let (a, b) = (a?, b?);
     let shapes = [a.shape(), b.shape()];
     let skin = a.contact_skin() + b.contact_skin();
-    let solids = shapes.map(|shape| shape.as_shape::<IstShape>()?.tree().with_skin(skin));
+    let with_skin = |tree: &InnerSphereTree| tree.with_skin(tree.skin() + skin);
+    let solids = shapes.map(|shape| with_skin(shape.as_shape::<IstShape>()?.tree()));
     let mut samples = Vec::new();
     let mut clearance = 0.0;
     let displacements = shares(shapes, candidate, skin).find_map(|share| {
@@ -66,7 +67,7 @@ fn contact(
 }
 
 /// Appends the contact samples of two shapes, of which one is an inner sphere tree, in the world frame. Of two trees
-/// the second is taken without its skin, which the first one's includes. Returns a distance (m) of which they are apart
+/// the second is taken without the contact skins, which the first one's include. Returns a distance (m) of which they are apart
 /// where there are none.
 fn measure(
     (solids, [a, b]): (&[Option<InnerSphereTree>; 2], [&dyn Shape; 2]),
@@ -103,6 +104,7 @@ fn to_world(samples: &mut [ContactSample], pose: &Pose, sign: Real) {
     for sample in samples {
         sample.point = *pose * sample.point;
         sample.normal = pose.rotation * sample.normal * sign;
-        sample.separation = pose.rotation * sample.separation * sign;
+        sample.vector_area = pose.rotation * sample.vector_area * sign;
+        sample.outward = pose.rotation * sample.outward * sign;
     }
 }

@@ -54,7 +54,8 @@ impl IstShape {
         &self.tree
     }
 
-    /// The same solid `factor` times as large; `None` unless `factor` is positive and finite.
+    /// The same solid `factor` times as large, in O(n log n) for n spheres; `None` unless `factor` is positive and finite, and
+    /// where the solid would be too large or too small for f32.
     #[must_use]
     pub fn scaled(&self, factor: Real) -> Option<Self> {
         Some(Self::new(self.tree.scaled(factor)?))

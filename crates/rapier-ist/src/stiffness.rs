@@ -23,7 +23,7 @@ pub struct StiffnessContext<'a> {
     pub body_a: Option<RigidBodyHandle>,
     /// The body of [`Self::collider_b`], if it has one.
     pub body_b: Option<RigidBodyHandle>,
-    /// Overlap volume at the predicted poses (m³).
+    /// Overlap volume at the poses of the solve, which lie in the step (m³).
     pub volume: Real,
     /// What the pair has without the callback (N/m³).
     pub stiffness: Real,

@@ -90,7 +90,7 @@ impl Case<'_> {
         let (mut workspace, mut samples, mut patches) = (OverlapWorkspace::default(), Vec::new(), Vec::new());
         self.a.contact_samples(self.b, &self.pose, &mut workspace, &mut samples);
         for sample in &samples {
-            assert!(!sample.point.is_nan() && !sample.separation.is_nan() && !sample.volume.is_nan());
+            assert!(!sample.point.is_nan() && !sample.vector_area.is_nan() && !sample.volume.is_nan());
             assert!((sample.normal.length() - 1.0).abs() < 1e-4, "{sample:?}");
         }
         self.a.contact_patches(self.b, &self.pose, &mut workspace, &mut patches);

@@ -52,10 +52,6 @@ impl CellTable {
     pub(super) fn occupied(&self) -> usize {
         self.occupied
     }
-
-    pub(super) fn memory(&self) -> usize {
-        self.slots.len() * core::mem::size_of::<Slot>()
-    }
 }
 
 /// Fibonacci hashing: neighbours spread over the table.

@@ -73,8 +73,7 @@ pub(crate) struct Entries {
 
 impl SphereGrid {
     /// The grids of `tree`.
-    #[must_use]
-    pub fn new(tree: &InnerSphereTree) -> Self {
+    pub(crate) fn new(tree: &InnerSphereTree) -> Self {
         Self { data: Arc::new(builder::build(tree.data())) }
     }
 
@@ -82,14 +81,6 @@ impl SphereGrid {
     #[must_use]
     pub fn levels(&self) -> usize {
         self.data.levels.len()
-    }
-
-    /// Memory of the grids alone (bytes).
-    #[must_use]
-    pub fn memory(&self) -> usize {
-        let entry = 8 * core::mem::size_of::<f32>();
-        let cells: usize = self.data.levels.iter().map(|level| level.cells.memory()).sum();
-        self.data.entries.x.len() * entry + self.data.groups.len() * core::mem::size_of::<u32>() + cells
     }
 
     pub(crate) fn data(&self) -> &GridData {

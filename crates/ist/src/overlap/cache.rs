@@ -20,6 +20,10 @@ use fearless_simd::{Simd, dispatch};
 use glam::{Mat3, Vec3};
 
 /// Steps that a list should last, at the speed of the last one.
+///
+/// Two rabbits that move by 1e-4 of their size take 0.66 (1,000 spheres, mid and deep overlap) and 0.29 (little overlap) of a
+/// new walk's time, 0.66 and 0.31 with 10,000 spheres. By 1e-3 it is 0.70 and 0.36 with 1,000; with 10,000, and with faster
+/// motion, trees are walked every time, which takes a little longer than without a cache.
 const STEPS: f32 = 12.0;
 
 /// Largest margin, in mean radii of the balls over blocks of B: wider lists cost more than they save.

@@ -31,8 +31,8 @@ struct CutBall {
 }
 
 impl InnerSphereTree {
-    /// The overlap of this solid (A) with the half-space B of all points x with `normal`·x ≤ `offset` (m), in A's frame:
-    /// `normal` points out of B and into the open.
+    /// The overlap of this solid (A) with the half-space B of all points x with n·x ≤ `offset` (m), n the unit vector along
+    /// `normal`, in A's frame: `normal` points out of B and into the open.
     ///
     /// The sum over all volume balls is exact. As for two solids, [`Overlap::force`] is that on B and as large as the
     /// volume, however deep the solid is; its direction is −`normal`. B counts as one sphere of index 0 in
@@ -72,7 +72,7 @@ impl InnerSphereTree {
     /// The overlap of this solid (A) with a solid B of the given signed distance, both in A's frame, as one sample
     /// per ball that B cuts, appended to `samples`. Returns a distance (m) of which all balls that B does not cut are certain
     /// to be away from B; infinite where it cuts all.
-    pub fn contact_samples_with(
+    pub fn contact_samples_with_surface(
         &self,
         mut surface: impl SignedDistance,
         samples: &mut Vec<ContactSample>,
@@ -82,7 +82,7 @@ impl InnerSphereTree {
                 point: center - surface.outward * cap.centroid as f32,
                 normal: -surface.outward,
                 volume: cap.volume as f32,
-                separation: surface.outward * -cap.base as f32,
+                vector_area: surface.outward * -cap.base as f32,
                 outward: -surface.outward,
             });
         })

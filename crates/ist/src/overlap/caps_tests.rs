@@ -90,14 +90,14 @@ proptest! {
         prop_assert!((here.volume - there.volume).abs() <= tolerance);
         prop_assert!((here.gradient - there.gradient).length() <= 1e-4);
         let mut samples = Vec::new();
-        let clearance = tree.contact_samples_with(plane(normal, offset), &mut samples);
+        let clearance = tree.contact_samples_with_surface(plane(normal, offset), &mut samples);
         let gaps = tree.volume_balls().map(|(center, radius)| normal.dot(center) - offset - radius);
         let least = gaps.filter(|gap| *gap >= 0.0).fold(f32::INFINITY, f32::min);
         prop_assert!((0.0..=least + 1e-6).contains(&clearance) || clearance == least, "{} {}", clearance, least);
         prop_assert_eq!(samples.len() as u32, here.pairs);
         prop_assert!((samples.iter().map(|s| s.volume).sum::<f32>() - here.volume).abs() <= tolerance * 10.0);
-        let separation: Vec3 = samples.iter().map(|s| s.separation).sum();
-        prop_assert!((separation + here.gradient).length() <= 1e-4 * (1.0 + here.gradient.length()));
+        let area: Vec3 = samples.iter().map(|s| s.vector_area).sum();
+        prop_assert!((area + here.gradient).length() <= 1e-4 * (1.0 + here.gradient.length()));
         prop_assert!(samples.iter().all(|s| normal.dot(s.point) <= offset + 1e-5));
     }
 

@@ -3,18 +3,20 @@
 use super::totals::{Totals, WrenchSum};
 use crate::sphere::{SQUARABLE, cube_root};
 
-/// How the force on B follows from the overlap; always for a stiffness of 1 N/m³.
+/// How the force on B follows from the overlap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ForceLaw {
-    /// Minus the gradient of the volume: the force of the potential energy V. Conservative, in the direction in
-    /// which the volume shrinks fastest, but as large as the contact area and zero for a body wholly inside.
+    /// Minus the gradient of the volume: the force of an energy of 1 J per m³ of overlap, to be multiplied by a pressure
+    /// (N/m²). Conservative, in the direction in which the volume shrinks fastest, but as large as the contact area and
+    /// zero for a body wholly inside.
     VolumeGradient,
     /// The stored outward normals weighted by volume: a quadrature of the hydroelastic pressure field ∫∇depth dV
-    /// of both solids. As large as the volume, and it pushes a body that is wholly inside.
+    /// of both solids, for a stiffness of 1 N/m³. Twice the volume where the surfaces face each other, less where their
+    /// normals or the places of the overlap differ; it pushes a body that is wholly inside.
     OutwardNormals,
-    /// As large as the volume, along the gradient where that is significant, along the outward normals where it is
-    /// not, with a continuous transition.
+    /// For a stiffness of 1 N/m³: as large as the volume, along the gradient where that is significant, along the outward
+    /// normals where it is not, with a continuous transition in which it is smaller where the two differ.
     #[default]
     Blended,
 }

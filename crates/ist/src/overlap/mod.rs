@@ -45,7 +45,8 @@ pub use workspace::OverlapWorkspace;
 
 /// What two overlapping solids do to each other, in A's frame.
 ///
-/// Forces are for a stiffness of 1 N/m³; multiply by your own. All fields are zero where nothing overlaps.
+/// Forces are for a stiffness of 1 N/m³, those of [`ForceLaw::VolumeGradient`] for a pressure of 1 N/m²; multiply by your
+/// own. All fields are zero where nothing overlaps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Overlap {
@@ -57,9 +58,9 @@ pub struct Overlap {
     pub gradient: Vec3,
     /// Derivative of the volume by a rotation of B about [`Self::centroid`] (m³/rad).
     pub rotation_gradient: Vec3,
-    /// Force on B (N for 1 N/m³) by the force law; A feels the opposite.
+    /// Force on B (N) by the force law; A feels the opposite.
     pub force: Vec3,
-    /// Torque on B about [`Self::centroid`] (N·m for 1 N/m³) by the force law; A feels the opposite.
+    /// Torque on B about [`Self::centroid`] (N·m) by the force law; A feels the opposite.
     pub torque: Vec3,
     /// How the wrench of the volume's gradient answers to displacements of B, if [`OverlapQuery::stiffness`] asked for it.
     pub stiffness: Option<StiffnessMatrix>,

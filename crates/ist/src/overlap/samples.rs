@@ -22,10 +22,10 @@ pub struct ContactSample {
     pub normal: Vec3,
     /// Volume of the part (m³).
     pub volume: f32,
-    /// Minus the derivative of the part's volume by a translation of B (m²). Zero for a part that stays wholly inside;
+    /// Vector area of the part's cross-section, towards B (m²): minus the derivative of its volume by a translation of B. Zero for a part that stays wholly inside;
     /// the sum over all parts is the whole overlap's.
-    pub separation: Vec3,
-    /// Direction from the inside of A and out of B by the normals that both spheres carry; zero where these cancel. Means
+    pub vector_area: Vec3,
+    /// Unit vector out of A and into B, as B is pushed, by the normals that both spheres carry; zero where these cancel. Means
     /// something where bodies contain each other and volumes no longer tell a way out.
     pub outward: Vec3,
 }
@@ -98,7 +98,7 @@ impl Lenses {
                 point: lens.centroid * scale,
                 normal: direction(blend).or(direction(lens.axis)).unwrap_or(Vec3::Y),
                 volume: lens.volume * scale * scale * scale,
-                separation: lens.axis * lens.area * scale * scale,
+                vector_area: lens.axis * lens.area * scale * scale,
                 outward,
             }
         }));

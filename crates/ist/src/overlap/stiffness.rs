@@ -17,7 +17,7 @@ use fearless_simd::{Simd, f32x8};
 use glam::{DMat3, DVec3, Mat3};
 
 /// How the wrench of [`ForceLaw::VolumeGradient`](super::ForceLaw::VolumeGradient) answers to a displacement of B: minus
-/// its derivative by a translation t and a rotation vector ω about the overlap's centroid, for a stiffness of 1 N/m³.
+/// its derivative by a translation t and a rotation vector ω about the overlap's centroid, for a pressure of 1 N/m².
 ///
 /// This is the second derivative of the volume, a symmetric 6×6 matrix in blocks. It is indefinite in general:
 /// deep inside, where the contact area falls with the depth, the force of the volume's gradient falls too. The
@@ -29,11 +29,11 @@ use glam::{DMat3, DVec3, Mat3};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct StiffnessMatrix {
-    /// By two translations (N/m for 1 N/m³).
+    /// By two translations (N/m).
     pub translation: Mat3,
-    /// By a translation (row) and a rotation (column), N/rad for 1 N/m³.
+    /// By a translation (row) and a rotation (column), N/rad.
     pub coupling: Mat3,
-    /// By two rotations (N·m/rad for 1 N/m³).
+    /// By two rotations (N·m/rad).
     pub rotation: Mat3,
 }
 

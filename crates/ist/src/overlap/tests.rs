@@ -85,9 +85,9 @@ proptest! {
         let volume: f32 = samples.iter().map(|s| s.volume).sum();
         prop_assert!((volume - overlap.volume).abs() <= 1e-4 * overlap.volume);
         prop_assert!(samples.iter().all(|s| (s.normal.length() - 1.0).abs() < 1e-5));
-        let separation: Vec3 = samples.iter().map(|s| s.separation).sum();
-        let total: f32 = samples.iter().map(|s| s.separation.length()).sum();
-        prop_assert!((separation + overlap.gradient).length() <= 1e-4 * total);
+        let area: Vec3 = samples.iter().map(|s| s.vector_area).sum();
+        let total: f32 = samples.iter().map(|s| s.vector_area.length()).sum();
+        prop_assert!((area + overlap.gradient).length() <= 1e-4 * total);
         let moment: Vec3 = samples.iter().map(|s| s.volume * s.point).sum();
         prop_assert!((moment - overlap.volume * overlap.centroid).length() <= 1e-4 * overlap.volume);
     }

@@ -145,19 +145,44 @@ impl InnerSphereTree {
         };
         let size = self.bounding_ball().1.min(other.bounding_ball().1);
         workspace.due.clear();
-        // Pairs are advanced to half the tolerance and are close enough at the whole of it: advancing ends, and contacts
-        // that graze are not lost by rounding.
-        let half = 0.5 * f64::from(options.tolerance).max(CONTACT * f64::from(size));
-        let cast = Cast {
-            trees: [self, other],
-            movers: [a, b],
+        let aim = Aim::new(options, CONTACT * f64::from(size));
+        let cast = Cast { trees: [self, other], movers: [a, b], aim };
+        cast.run(options.max_visits, &mut workspace.due)
+    }
+}
+
+/// What counts as an impact.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Aim {
+    pub(super) kind: BallKind,
+    /// Distance that pairs are advanced to (m).
+    pub(super) target: f64,
+    /// How far from that a pair may be in contact (m).
+    pub(super) close: f64,
+    pub(super) max_time: f64,
+    ignored_approach: f64,
+}
+
+impl Aim {
+    /// With a tolerance of at least `least` (m). NaN counts as 0.
+    ///
+    /// Pairs are advanced to half the tolerance and are close enough at the whole of it: advancing ends, and contacts that
+    /// graze are not lost by rounding.
+    pub(super) fn new(options: &ImpactOptions, least: f64) -> Self {
+        let half = 0.5 * f64::from(options.tolerance).max(least);
+        let ignored_approach = f64::from(options.ignored_approach);
+        Self {
             kind: options.balls,
             target: f64::from(options.target_distance.max(0.0)) + half,
             close: half,
             max_time: f64::from(options.max_time.max(0.0)),
-            ignored_approach: f64::from(options.ignored_approach),
-        };
-        cast.run(options.max_visits, &mut workspace.due)
+            ignored_approach: if ignored_approach.is_nan() { 0.0 } else { ignored_approach },
+        }
+    }
+
+    /// Whether balls in contact at the start count that approach at `speed` (m/s).
+    pub(super) fn counts(&self, speed: impl FnOnce() -> f64) -> bool {
+        self.ignored_approach == f64::NEG_INFINITY || speed() * self.max_time > self.ignored_approach
     }
 }
 
@@ -165,13 +190,7 @@ impl InnerSphereTree {
 struct Cast<'a> {
     trees: [&'a InnerSphereTree; 2],
     movers: [Mover; 2],
-    kind: BallKind,
-    /// Distance that pairs are advanced to (m).
-    target: f64,
-    /// How far from that a pair of spheres may be in contact (m).
-    close: f64,
-    max_time: f64,
-    ignored_approach: f64,
+    aim: Aim,
 }
 
 impl Cast<'_> {
@@ -180,12 +199,12 @@ impl Cast<'_> {
         heap.push(Due { time: 0.0, nodes: Nodes { level, node: [0, 0] } });
         for _ in 0..visits {
             let Some(due) = heap.pop() else { return TimeOfImpact::NoHit };
-            let now = [0, 1].map(|i| Snapshot::new(self.trees[i], self.kind, &self.movers[i], due.time));
+            let now = [0, 1].map(|i| Snapshot::new(self.trees[i], self.aim.kind, &self.movers[i], due.time));
             let balls = [0, 1].map(|i| now[i].ball(due.nodes.level[i].into(), due.nodes.node[i] as usize));
             let gap = self.gap(&balls);
             let leaves = due.nodes.are_leaves();
-            if leaves && gap <= self.close {
-                if due.time > 0.0 || self.counts(&balls) {
+            if leaves && gap <= self.aim.close {
+                if due.time > 0.0 || self.aim.counts(|| self.approach(&balls)) {
                     return TimeOfImpact::Hit(self.impact(&due, &now, &balls));
                 }
                 continue;
@@ -210,23 +229,20 @@ impl Cast<'_> {
 
     /// How far two balls are from the target distance (m).
     fn gap(&self, balls: &[MovingBall; 2]) -> f64 {
-        balls[0].center.distance(balls[1].center) - balls[0].radius - balls[1].radius - self.target
+        balls[0].center.distance(balls[1].center) - balls[0].radius - balls[1].radius - self.aim.target
     }
 
-    /// Whether balls in contact at the start approach by enough to count.
-    fn counts(&self, balls: &[MovingBall; 2]) -> bool {
-        if self.ignored_approach == f64::NEG_INFINITY {
-            return true;
-        }
+    /// Speed at which two balls approach along their normal (m/s).
+    fn approach(&self, balls: &[MovingBall; 2]) -> f64 {
         let velocity = |i: usize| self.movers[i].velocity + self.movers[i].spin.cross(balls[i].arm);
         let normal = (balls[1].center - balls[0].center).normalize_or_zero();
-        normal.dot(velocity(0) - velocity(1)) * self.max_time > self.ignored_approach
+        normal.dot(velocity(0) - velocity(1))
     }
 
     /// Lets a pair wait for the first time after `time` at which it may meet, if that comes.
     fn push(&self, time: f64, nodes: Nodes, balls: &[MovingBall; 2], heap: &mut BinaryHeap<Due>) {
         let time = time + self.safe_step(balls);
-        if time <= self.max_time && time.is_finite() {
+        if time <= self.aim.max_time && time.is_finite() {
             heap.push(Due { time, nodes });
         }
     }
@@ -248,7 +264,7 @@ impl Cast<'_> {
         let normal = delta.normalize_or_zero();
         let drift = self.movers[1].velocity - self.movers[0].velocity;
         let (mut rate, mut acceleration) = (normal.dot(drift), 0.0);
-        let (mut feet, mut reach) = (delta, balls[0].radius + balls[1].radius + self.target);
+        let (mut feet, mut reach) = (delta, balls[0].radius + balls[1].radius + self.aim.target);
         for (ball, mover, sign) in [(&balls[0], &self.movers[0], -1.0), (&balls[1], &self.movers[1], 1.0)] {
             let turning = mover.spin.cross(ball.arm);
             let spin = mover.spin.length();

@@ -5,11 +5,11 @@
 //! nearest to the ball's centre, and a ball cannot meet it before it meets that plane, which moves with the solid: a ball that
 //! passes by close to a face is done in a few steps.
 
-use super::impact::{Due, rounded_down};
+use super::impact::{Aim, Due, rounded_down};
 use super::motion::{Mover, MovingBall, Snapshot};
 use super::nearest::Nodes;
 use super::safe_step::time_to_close;
-use super::{BallKind, Impact, ImpactOptions, ProximityWorkspace, RigidMotion, TimeOfImpact};
+use super::{Impact, ImpactOptions, ProximityWorkspace, RigidMotion, TimeOfImpact};
 use crate::tree::WIDTH;
 use crate::{InnerSphereTree, SignedDistance};
 use alloc::collections::BinaryHeap;
@@ -73,18 +73,8 @@ impl InnerSphereTree {
         let (Some(a), Some(b)) = (Mover::new(&motions[0]), Mover::new(&motions[1])) else {
             return TimeOfImpact::Undecided { safe_time: 0.0 };
         };
-        let half = 0.5 * f64::from(options.tolerance).max(CONTACT * f64::from(self.bounding_ball().1));
-        let mut cast = Cast {
-            tree: self,
-            surface,
-            is_convex,
-            movers: [a, b],
-            kind: options.balls,
-            target: f64::from(options.target_distance.max(0.0)) + half,
-            close: half,
-            max_time: f64::from(options.max_time.max(0.0)),
-            ignored_approach: f64::from(options.ignored_approach),
-        };
+        let aim = Aim::new(options, CONTACT * f64::from(self.bounding_ball().1));
+        let mut cast = Cast { tree: self, surface, is_convex, movers: [a, b], aim };
         workspace.due.clear();
         cast.run(options.max_visits, &mut workspace.due)
     }
@@ -96,13 +86,7 @@ struct Cast<'a, F> {
     surface: F,
     is_convex: bool,
     movers: [Mover; 2],
-    kind: BallKind,
-    /// Distance that balls are advanced to (m).
-    target: f64,
-    /// How far from that a ball may be in contact (m).
-    close: f64,
-    max_time: f64,
-    ignored_approach: f64,
+    aim: Aim,
 }
 
 /// A ball and the solid at one time, in the world.
@@ -125,15 +109,15 @@ impl<F: SignedDistance> Cast<'_, F> {
             let Some(due) = heap.pop() else { return TimeOfImpact::NoHit };
             let Some(sight) = self.sight(&due) else { continue };
             let is_leaf = due.nodes.level[0] == 0;
-            if is_leaf && sight.gap <= self.close {
-                if due.time > 0.0 || self.counts(&sight) {
+            if is_leaf && sight.gap <= self.aim.close {
+                if due.time > 0.0 || self.aim.counts(|| -self.rate(&sight)) {
                     return TimeOfImpact::Hit(self.impact(&due, &sight));
                 }
                 continue;
             }
             if is_leaf || sight.gap > CLOSE * sight.ball.radius {
-                let time = due.time + self.safe_step(&sight, self.max_time - due.time);
-                if time <= self.max_time && time.is_finite() {
+                let time = due.time + self.safe_step(&sight, self.aim.max_time - due.time);
+                if time <= self.aim.max_time && time.is_finite() {
                     heap.push(Due { time, nodes: due.nodes });
                 }
                 continue;
@@ -152,26 +136,20 @@ impl<F: SignedDistance> Cast<'_, F> {
 
     /// `None` where they cannot meet in the rest of the time.
     fn sight(&mut self, due: &Due) -> Option<Sight> {
-        let now = Snapshot::new(self.tree, self.kind, &self.movers[0], due.time);
+        let now = Snapshot::new(self.tree, self.aim.kind, &self.movers[0], due.time);
         let ball = now.ball(due.nodes.level[0].into(), due.nodes.node[0] as usize);
         let (rotation, center, local_center) = self.movers[1].frame_at(due.time);
         let offset = ball.center - center;
         let local = rotation.inverse() * offset + local_center;
-        let way = self.longest_way(&ball, offset, self.max_time - due.time);
-        let reach = ((ball.radius + self.target + way) * (1.0 + ROUNDING)) as f32;
+        let way = self.longest_way(&ball, offset, self.aim.max_time - due.time);
+        let reach = ((ball.radius + self.aim.target + way) * (1.0 + ROUNDING)) as f32;
         let seen = self.surface.distance_within(local.as_vec3(), reach);
         if seen.distance >= reach {
             return None;
         }
         let distance = f64::from(seen.distance);
         let outward = rotation * seen.outward.as_dvec3();
-        Some(Sight { gap: distance - ball.radius - self.target, outward, distance, ball, offset })
-    }
-
-    /// Whether a ball in contact at the start is approaching by enough to count.
-    fn counts(&self, sight: &Sight) -> bool {
-        self.ignored_approach == f64::NEG_INFINITY
-            || -self.rate(sight) * self.max_time > self.ignored_approach
+        Some(Sight { gap: distance - ball.radius - self.aim.target, outward, distance, ball, offset })
     }
 
     /// Velocity of the ball's centre relative to the solid along its outward direction (m/s).

@@ -89,7 +89,8 @@ impl InnerSphereTree {
         Self { data: Arc::new(data), scale: 1.0, skin: 0.0, grid: None }
     }
 
-    /// The same solid `factor` times as large (about the origin of its frame), sharing the hierarchy.
+    /// The same solid `factor` times as large (about the origin of its frame), sharing the hierarchy. Its skin stays as thick
+    /// as it is.
     ///
     /// Returns `None` unless `factor` is positive and finite, and where the solid would be too large or too small for f32.
     #[must_use]
@@ -101,7 +102,7 @@ impl InnerSphereTree {
     }
 
     /// The same solid under a skin of `thickness` (m), sharing the hierarchy: every volume ball is that much
-    /// larger in overlap queries. It keeps features apart that are too small for the spheres, such as sharp
+    /// larger in all queries. It keeps features apart that are too small for the spheres, such as sharp
     /// corners. Inner balls are as before.
     ///
     /// Returns `None` unless `thickness` is finite and not negative.
@@ -177,6 +178,9 @@ impl InnerSphereTree {
     }
 
     /// Index in the packing of the sphere at position `i` of the tree's order, for `i` below [`Self::len`].
+    ///
+    /// # Panics
+    /// For any other `i`.
     #[must_use]
     pub fn packing_index(&self, i: usize) -> usize {
         self.data.packing_index[i] as usize

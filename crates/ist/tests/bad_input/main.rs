@@ -86,7 +86,7 @@ fn all_overlaps(what: &str, [a, b]: [&InnerSphereTree; 2], pose: &Pose3, passes:
     let mut samples = Vec::new();
     a.contact_samples(b, pose, &mut workspace, &mut samples);
     for sample in samples {
-        let all = [sample.point.to_array(), sample.separation.to_array(), [sample.volume; 3]];
+        let all = [sample.point.to_array(), sample.vector_area.to_array(), [sample.volume; 3]];
         assert!(all.as_flattened().iter().all(|&x| passes(x)), "{what}: {sample:?}");
         assert!((sample.normal.length() - 1.0).abs() < 1e-4, "{what}: {sample:?}");
     }

@@ -21,8 +21,8 @@ impl TriangleMesh {
     /// the default scene, each mesh as often as nodes place it; meshes compressed by an extension are not read.
     ///
     /// # Errors
-    /// [`MeshError`] tells whether the file is missing, empty, of another kind, without faces, or has a
-    /// coordinate that is not finite.
+    /// [`MeshError`] tells whether the file is missing, empty, of another kind, without faces, has a
+    /// coordinate that is not finite, or a face at a vertex that does not exist.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, MeshError> {
         let mesh = Self::load_unchecked(path)?;
         mesh.validate()?;

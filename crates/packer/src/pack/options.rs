@@ -8,7 +8,7 @@ use std::time::Duration;
 ///
 /// Start from a preset and change what matters; the first stop that is reached ends the packing, and
 /// [`PackReport::stop`](crate::PackReport::stop) names it. Whatever ends it, the packing is the beginning of one and
-/// the same sequence of balls.
+/// the same sequence of balls, but for the last of those with a [`Self::min_radius`].
 ///
 /// ```
 /// use packer::PackOptions;
@@ -31,7 +31,7 @@ pub struct PackOptions {
     pub volume_error: Option<f64>,
     /// Stop early enough that the whole call, with power cells and report, takes about this long.
     pub time_limit: Option<Duration>,
-    /// Sample points in the gaps between the balls that measure the power cells.
+    /// Sample points in the gaps between the balls that measure the power cells, for each sphere; at least 200,000 in all.
     pub samples_per_sphere: usize,
     /// Whether the report has a [`Quality`](crate::Quality); without it small packings are ready sooner. The
     /// packing does not depend on it.
@@ -164,8 +164,8 @@ impl Default for PackOptions {
     }
 }
 
-/// The options as one line, as it stands in a packing's provenance: all that the packing depends on but the mesh,
-/// and nothing else. Equal lines mean equal packings, unless a time limit is among them.
+/// The options as one line, as it stands in a packing's provenance: all that the packing depends on but the mesh.
+/// Equal lines mean equal packings, unless a time limit is among them.
 impl fmt::Display for PackOptions {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "spheres={}", self.spheres)?;

@@ -82,23 +82,23 @@ pub struct Diagnosis {
     pub resolution: f64,
 }
 
+/// Findings of which details are kept: enough to see whether they lie together.
+const MOST_KEPT: usize = 16;
+
 /// How many there are of something, and some of them.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Findings<T> {
     /// How many there are.
     pub count: usize,
-    /// The first of them, at most [`Self::MOST`].
+    /// The first of them, at most 16.
     pub some: Vec<T>,
 }
 
 impl<T> Findings<T> {
-    /// Findings of which details are kept: enough to see whether they lie together.
-    pub const MOST: usize = 16;
-
     pub(super) fn push(&mut self, finding: T) {
         self.count += 1;
-        if self.some.len() < Self::MOST {
+        if self.some.len() < MOST_KEPT {
             self.some.push(finding);
         }
     }

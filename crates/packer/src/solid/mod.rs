@@ -60,9 +60,9 @@ impl Solid {
     /// The solid enclosed by `mesh`.
     ///
     /// # Errors
-    /// [`MeshError`] where the mesh has no triangles, numbers that are not finite, open or non-manifold edges, a
-    /// one-sided surface, encloses no volume, cuts itself a million times, or has a size that single precision cannot
-    /// hold the volumes of.
+    /// [`MeshError`] where the mesh has no triangles, fewer than four that are not degenerate, faces at vertices that do not
+    /// exist, numbers that are not finite, open or non-manifold edges, a one-sided surface, encloses no volume, cuts itself a
+    /// million times, has a size that single precision cannot hold the volumes of, or is too thin for it at its place.
     pub fn new(mesh: &TriangleMesh) -> Result<Self, MeshError> {
         let (diagnosis, surface) = examine(mesh);
         match (diagnosis.refusal(), surface) {
@@ -121,7 +121,7 @@ impl Solid {
         self.depth(p) >= 0.0
     }
 
-    /// The surface point nearest to `p`.
+    /// The surface point nearest to `p`. One that is not finite is its own, of triangle 0, at a depth of −∞.
     #[must_use]
     pub fn closest_point(&self, p: DVec3) -> SurfacePoint {
         self.closest_point_within(p, f64::INFINITY).unwrap_or(SurfacePoint {

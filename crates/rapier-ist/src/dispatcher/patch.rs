@@ -91,7 +91,7 @@ impl Patch {
 
 /// Area (m²) that a sample shows along `normal`.
 fn cross_section(sample: &ContactSample, normal: Vector) -> Real {
-    sample.separation.dot(normal).max(0.0)
+    sample.vector_area.dot(normal).max(0.0)
 }
 
 /// The sample points farthest from `center` across `normal`, opposite of that, and to both sides; each once.
@@ -161,7 +161,7 @@ mod tests {
                 point,
                 normal: Vector::Y,
                 volume,
-                separation: Vector::Y * 1e-4,
+                vector_area: Vector::Y * 1e-4,
                 outward: Vector::Y,
             }
         };
@@ -210,7 +210,7 @@ mod tests {
             assert_eq!(patch.points().len(), count.min(2), "a row has two ends");
         }
         assert!(Patch::of(&[]).is_none());
-        let contained = ContactSample { separation: Vector::ZERO, ..samples[0] };
+        let contained = ContactSample { vector_area: Vector::ZERO, ..samples[0] };
         let patch = Patch::of(&[contained]).unwrap();
         assert!((patch.least_distance() + contained.volume.cbrt()).abs() < 1e-6);
     }

@@ -88,7 +88,7 @@ impl Regions {
 /// Radius (m) of the ball whose shallow cap has the sample's volume V and cross-section A: A²/(4πV). Wholly inside, where
 /// there is no cross-section, that of a ball of its volume.
 fn radius(sample: &ContactSample) -> Real {
-    let area = sample.separation.length();
+    let area = sample.vector_area.length();
     let cap = area * (area / (4.0 * std::f32::consts::PI * sample.volume));
     cap.max(libm::cbrtf(sample.volume * 0.75 / std::f32::consts::PI))
 }
@@ -107,9 +107,9 @@ mod tests {
 
     /// The cap of a ball of radius 0.01 m, 1 mm high.
     fn cap(point: Vector, normal: Vector) -> ContactSample {
-        let separation = normal * (std::f32::consts::PI * 0.001 * 0.019);
+        let vector_area = normal * (std::f32::consts::PI * 0.001 * 0.019);
         let volume = std::f32::consts::PI * 1e-6 * (0.03 - 0.001) / 3.0;
-        ContactSample { point, normal, volume, separation, outward: normal }
+        ContactSample { point, normal, volume, vector_area, outward: normal }
     }
 
     fn sizes(mut samples: Vec<ContactSample>) -> Vec<usize> {

@@ -40,7 +40,8 @@ pub(crate) use twist::Screw;
 /// Most passes over contacts and friction.
 const MAX_PASSES: usize = 8;
 
-/// Passes end when the normal forces of no pair changed by more than this share of their sum.
+/// Passes end when the normal forces of no pair changed by more than this share of their sum, or of the load where that is
+/// larger.
 const PASS_TOLERANCE: f64 = 1e-3;
 
 /// Pairs that one task takes: some 20 µs. A choice.

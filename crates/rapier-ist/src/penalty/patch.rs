@@ -58,9 +58,9 @@ impl<'a> Patch<'a> {
 
 fn depth(samples: &[&ContactSample], direction: DVec3) -> f64 {
     let volume: f64 = samples.iter().map(|s| f64::from(s.volume)).sum();
-    let separation: DVec3 = samples.iter().map(|s| s.separation.as_dvec3()).sum();
+    let area: DVec3 = samples.iter().map(|s| s.vector_area.as_dvec3()).sum();
     let size = libm::cbrt(volume);
-    volume / separation.dot(direction).max(LEAST_CROSS_SECTION * size * size).max(f64::MIN_POSITIVE)
+    volume / area.dot(direction).max(LEAST_CROSS_SECTION * size * size).max(f64::MIN_POSITIVE)
 }
 
 /// From the lowest sample to the highest, and the largest of them itself: two balls share no lens that is thicker than
@@ -77,7 +77,7 @@ mod tests {
     use super::*;
 
     fn sample(normal: Vec3, volume: f32, area: f32) -> ContactSample {
-        ContactSample { point: Vec3::ZERO, normal, volume, separation: normal * area, outward: normal }
+        ContactSample { point: Vec3::ZERO, normal, volume, vector_area: normal * area, outward: normal }
     }
 
     #[test]

@@ -35,7 +35,8 @@ impl<'a> BodyDescription<'a> {
         self
     }
 
-    /// Its packing, in the body's frame (m, before [`Self::scale`]).
+    /// Its packing, in the body's frame (m, before [`Self::scale`]). It is written where the options are
+    /// [`RecordOptions::everything`](super::RecordOptions::everything).
     #[must_use]
     pub fn spheres(mut self, packing: &'a SpherePacking) -> Self {
         self.spheres = Some(packing);

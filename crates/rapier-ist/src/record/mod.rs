@@ -27,6 +27,9 @@
 //! # }
 //! ```
 //!
+//! [`RecordOptions::poses`] leaves out contacts, their arrows and metrics; `/NAME/spheres` and the packings come with
+//! [`RecordOptions::everything`] only.
+//!
 //! | topic | schema | when |
 //! |---|---|---|
 //! | `/tf` | `foxglove.FrameTransforms` | every recorded step: the pose of every body in the frame `world` |

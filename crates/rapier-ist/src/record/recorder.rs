@@ -324,7 +324,8 @@ impl<W: Write + Seek> Recorder<W> {
     fn arrow_scale(&self, world: &PhysicsWorld) -> ArrowScale {
         let (sum, count) = self.radii;
         let body_radius = if count > 0 { sum / f64::from(count) } else { 0.5 };
-        let masses = || world.bodies.iter().map(|(_, body)| f64::from(body.mass())).filter(|m| *m > 0.0);
+        let dynamic = || world.bodies.iter().filter(|(_, body)| body.is_dynamic());
+        let masses = || dynamic().map(|(_, body)| f64::from(body.mass())).filter(|m| *m > 0.0);
         let mass = masses().sum::<f64>() / masses().count().max(1) as f64;
         // Without gravity, what the bodies would weigh on Earth.
         let gravity = f64::from(world.gravity.length());

@@ -67,6 +67,26 @@ fn arrows_point_along_the_force_and_keep_one_name() {
 }
 
 #[test]
+fn issue_what_cannot_fall_does_not_scale_the_arrows() {
+    let arrow = |fixed: bool| {
+        let mut bytes = Vec::new();
+        let mut fall = Fall::new();
+        if fixed {
+            fall.world
+                .insert(RigidBodyBuilder::fixed(), ColliderBuilder::cuboid(50.0, 1.0, 50.0).sensor(true));
+        }
+        let mut recorder = Recorder::new(Cursor::new(&mut bytes), RecordOptions::contacts()).unwrap();
+        fall.describe(&mut recorder).unwrap();
+        recorder.record_start(&fall.world).unwrap();
+        fall.run(&mut recorder, 1).unwrap();
+        recorder.finish().unwrap();
+        let (_, update) = &read::<SceneUpdate>(&bytes, "/scene/contacts")[0];
+        update.entities[0].arrows[0].shaft_length
+    };
+    assert_eq!(arrow(false), arrow(true));
+}
+
+#[test]
 fn equal_runs_give_equal_bytes() {
     for compression in [ChunkCompression::None, ChunkCompression::Lz4, ChunkCompression::Zstd] {
         let options =

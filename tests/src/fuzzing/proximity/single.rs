@@ -146,7 +146,7 @@ fn check_half_space(tree: &InnerSphereTree, normal: Vec3, offset: f32, is_ordina
     let surface = tree.overlap_with_surface(plane);
     assert_eq!((surface.pairs, surface.volume), (overlap.pairs, overlap.volume));
     let mut samples = Vec::new();
-    let clearance = tree.contact_samples_with(plane, &mut samples);
+    let clearance = tree.contact_samples_with_surface(plane, &mut samples);
     assert!(!clearance.is_nan() && samples.len() == overlap.pairs as usize);
     let nearest = tree.nearest_to_surface(BallKind::Volume, f32::INFINITY, plane);
     assert!(nearest.is_none_or(|nearest| !nearest.gap.is_nan()), "{nearest:?}");

@@ -27,6 +27,23 @@ fn moving(from: Vec3, linear_velocity: Vec3) -> RigidMotion {
     RigidMotion { linear_velocity, ..RigidMotion::at_rest(Pose3::from_translation(from)) }
 }
 
+#[test]
+fn issue_an_approach_of_nan_counts_as_zero() {
+    let ball = ball(0.5);
+    let workspace = &mut ProximityWorkspace::default();
+    for (speed, meets) in [(1.0, true), (-1.0, false)] {
+        let motions = [moving(Vec3::ZERO, Vec3::X * speed), moving(Vec3::X * 0.9, Vec3::ZERO)];
+        for ignored_approach in [0.0, f32::NAN] {
+            let options = ImpactOptions { ignored_approach, ..Default::default() };
+            let found = ball.time_of_impact(&ball, &motions, &options, workspace);
+            assert_eq!(matches!(found, TimeOfImpact::Hit(_)), meets, "{speed} {ignored_approach}");
+            let plane = |p: Vec3| crate::SurfaceDistance { distance: -0.5 - p.x, outward: Vec3::NEG_X };
+            let found = ball.time_of_surface_impact(plane, &motions, &options, workspace);
+            assert_eq!(matches!(found, TimeOfImpact::Hit(_)), meets, "{speed} {ignored_approach}");
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(128))]
     #[test]
