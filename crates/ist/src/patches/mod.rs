@@ -32,7 +32,7 @@ pub struct ContactPatch {
     pub rotation_gradient: Vec3,
     /// Sum of the areas inside the intersection circles of all pairs (m²); at least the length of [`Self::gradient`].
     pub area: f32,
-    /// Force on B (N for 1 N/m³) by [`ForceLaw::Blended`], as if the region were the whole overlap: as large as its volume.
+    /// Force on B (N for 1 N/m³) by [`ForceLaw::Blended`], as if the region were the whole overlap: at most its volume.
     pub force: Vec3,
     /// Torque on B about [`Self::centroid`] (N·m for 1 N/m³) by the same law.
     pub torque: Vec3,
