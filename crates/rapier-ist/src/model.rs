@@ -36,12 +36,12 @@ pub struct VolumePenalty {
     /// speed of approach v (m/s). Impacts dissipate what their restitution asks for, and all other contacts at least
     /// the inverse of [`Self::recovery_speed`].
     pub dissipation: Real,
-    /// Maximum depenetration speed: the fastest that overlap alone pushes bodies apart (m/s, times Rapier's `length_unit`), from 1e-6 to 1e6, 1 by
-    /// default; never faster than by the smaller body's longest side in 0.4 s. Faster recovery is damped; the force on
-    /// bodies at rest stays the same.
+    /// Maximum depenetration speed: the fastest that overlap alone pushes bodies apart (m/s, times Rapier's `length_unit`),
+    /// from 1e-6 to 1e6, 1 by default; never faster than by the smaller body's longest side in 0.4 s. Faster recovery is
+    /// damped; the force on bodies at rest stays the same.
     pub recovery_speed: Real,
-    /// Stiction tolerance: the slip speed (m/s, times Rapier's `length_unit`) under which Coulomb friction goes over into viscous creep, from
-    /// 1e-6 to 1e6, 1e-3 by default.
+    /// Stiction tolerance: the slip speed (m/s, times Rapier's `length_unit`) under which Coulomb friction goes over into
+    /// viscous creep, from 1e-6 to 1e6, 1e-3 by default.
     pub creep_speed: Real,
 }
 
