@@ -24,7 +24,7 @@ const PACKINGS: [(&str, u32); 2] = [("bunny", 2_223_080_614), ("pinion_gear", 3_
 const QUERIES: [(&str, u32); 6] = [
     ("overlap", 31_213_076),
     ("cached overlap", 3_316_712_872),
-    ("samples", 581_333_248),
+    ("samples", 2_924_253_176),
     ("time-critical", 2_417_718_613),
     ("proximity", 2_249_302_294),
     ("impact", 1_695_296_201),
