@@ -32,7 +32,9 @@ pub fn check(data: &[u8]) {
     let is_any = below(u, 8) == 7;
     let pose = if is_any { any_pose(u) } else { pose(u, 2.0 * size) };
     let pair = Pair { a: &a.tree, b: &b.tree, pose, kind };
-    let is_ordinary = a.is_ordinary && b.is_ordinary && !is_any;
+    // Queries find nothing beyond 1e18 times A's size, and say so.
+    let is_in_range = pair.extent() < 1e17 * f64::from(a.tree.bounding_ball().1);
+    let is_ordinary = a.is_ordinary && b.is_ordinary && !is_any && is_in_range;
     pair.check_distance(is_ordinary, [moderate(u).abs() * size, moderate(u).abs() * size], raw(u));
     pair.check_penetration(is_ordinary);
     let velocities: [Vec3; 4] = if below(u, 8) == 7 {
