@@ -52,7 +52,8 @@ impl Level {
         let p = p * self.scale;
         // The floor, without the library call that it is on processors of before 2008.
         let toward_zero = p.as_ivec3();
-        toward_zero - IVec3::from(p.cmplt(toward_zero.as_dvec3()))
+        // Balls that are tiny against the distance to the origin share the outermost cells.
+        toward_zero.saturating_sub(IVec3::from(p.cmplt(toward_zero.as_dvec3())))
     }
 }
 
@@ -124,6 +125,26 @@ impl Level {
                     }
                 }
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Small seeds of a spike of 260 km lay beyond the cells that i32 counts.
+    #[test]
+    fn issue_balls_beyond_the_cells_are_found() {
+        for far in [1.0, 1e6, -1e6, 1e12, -1e12, 1e100, -1e100] {
+            let mut grid = BallGrid::default();
+            let center = DVec3::new(far, 0.25, -far);
+            grid.insert(Ball { center, radius: 1e-6 });
+            grid.insert(Ball { center, radius: 1e-7 });
+            assert_eq!(grid.clearance(center, 1e-7), -1e-6, "{far}");
+            let mut near = Vec::new();
+            grid.gather(center, 1e-7, &mut near);
+            assert_eq!(near.len(), 2, "{far}");
         }
     }
 }
