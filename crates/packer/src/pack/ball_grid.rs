@@ -95,7 +95,14 @@ impl BallGrid {
             if reach < 0.0 {
                 continue;
             }
-            level.visit(p, reach, |ball| nearest = nearest.min(ball.distance(p)));
+            let mut visit = |ball: &Ball| nearest = nearest.min(ball.distance(p));
+            // Large cells of a long body reach over more cells of small balls than there are balls.
+            let (first, last) = level.range(p, reach);
+            if (last.as_dvec3() - first.as_dvec3() + 1.0).element_product() > level.cells.len() as f64 {
+                level.cells.values().flatten().for_each(&mut visit);
+            } else {
+                level.visit((first, last), visit);
+            }
         }
         nearest
     }
@@ -104,7 +111,7 @@ impl BallGrid {
     pub(super) fn gather(&self, p: DVec3, bound: f64, out: &mut Vec<Ball>) {
         out.clear();
         for level in &self.levels {
-            level.visit(p, level.largest_radius + bound, |ball| {
+            level.visit(level.range(p, level.largest_radius + bound), |ball| {
                 if ball.distance(p) < bound {
                     out.push(*ball);
                 }
@@ -114,9 +121,14 @@ impl BallGrid {
 }
 
 impl Level {
+    /// The first and the last of the cells that centres within `reach` of `p` lie in.
     #[inline]
-    fn visit(&self, p: DVec3, reach: f64, mut visit: impl FnMut(&Ball)) {
-        let (first, last) = (self.cell(p - reach), self.cell(p + reach));
+    fn range(&self, p: DVec3, reach: f64) -> (IVec3, IVec3) {
+        (self.cell(p - reach), self.cell(p + reach))
+    }
+
+    #[inline]
+    fn visit(&self, (first, last): (IVec3, IVec3), mut visit: impl FnMut(&Ball)) {
         for z in first.z..=last.z {
             for y in first.y..=last.y {
                 for x in first.x..=last.x {
@@ -142,6 +154,10 @@ mod tests {
             grid.insert(Ball { center, radius: 1e-6 });
             grid.insert(Ball { center, radius: 1e-7 });
             assert_eq!(grid.clearance(center, 1e-7), -1e-6, "{far}");
+            assert!(
+                grid.clearance(center + 1e3, f64::INFINITY) < 2e3,
+                "few balls and very many cells: {far}"
+            );
             let mut near = Vec::new();
             grid.gather(center, 1e-7, &mut near);
             assert_eq!(near.len(), 2, "{far}");
