@@ -70,7 +70,8 @@ pub struct IstPlugin {
     ///
     /// Every substep is a whole step of `dt` over this number: queries, solve, Rapier's step with its events.
     /// Forces of the user act in each, and position-based kinematic bodies go their way evenly. The report is
-    /// that of the last substep, but times, candidates and the dispatcher's replacement are of the whole step; `stopped` compares with the whole step before.
+    /// that of the last substep, but times, candidates and the dispatcher's replacement are of the whole step; `stopped`
+    /// compares with the whole step before.
     pub substeps: u32,
     report: StepReport,
     memory: Memory,

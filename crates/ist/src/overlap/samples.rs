@@ -22,7 +22,8 @@ pub struct ContactSample {
     pub normal: Vec3,
     /// Volume of the part (m³).
     pub volume: f32,
-    /// Vector area of the part's cross-section, towards B (m²): minus the derivative of its volume by a translation of B. Zero for a part that stays wholly inside;
+    /// Vector area of the part's cross-section, towards B (m²): minus the derivative of its volume by a translation of B.
+    /// Zero for a part that stays wholly inside;
     /// the sum over all parts is the whole overlap's.
     pub vector_area: Vec3,
     /// Unit vector out of A and into B, as B is pushed, by the normals that both spheres carry; zero where these cancel. Means

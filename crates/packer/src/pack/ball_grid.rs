@@ -96,7 +96,8 @@ impl BallGrid {
                 continue;
             }
             let mut visit = |ball: &Ball| nearest = nearest.min(ball.distance(p));
-            // Large cells of a long body reach over more cells of small balls than there are balls.
+            // Large cells of a long body reach over more cells of small balls than there are balls. The least distance does not
+            // depend on their order.
             let (first, last) = level.range(p, reach);
             if (last.as_dvec3() - first.as_dvec3() + 1.0).element_product() > level.cells.len() as f64 {
                 level.cells.values().flatten().for_each(&mut visit);

@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 /// Lets the caller end a packing under way, from any thread or from the progress callback.
 ///
-/// Both requests are seen within a fraction of a second while balls are placed and cells are measured, and between the parts
-/// of the report, each of which takes a small share of that time. A request stays: use a new
+/// Both requests are seen within a fraction of a second while balls are placed and cells are measured, and from then on
+/// between the parts of the report. A request stays: use a new
 /// signal for the next packing.
 ///
 /// ```
