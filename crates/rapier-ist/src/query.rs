@@ -108,3 +108,67 @@ fn to_world(samples: &mut [ContactSample], pose: &Pose, sign: Real) {
         sample.outward = pose.rotation * sample.outward * sign;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ist::{InnerSphere, SolidProperties, SpherePacking};
+    use rapier3d::math::{Rotation, Vector};
+    use rapier3d::prelude::{Ball, HalfSpace};
+
+    const RADIUS: Real = 0.1;
+
+    fn tree() -> IstShape {
+        let sphere = InnerSphere::solid_ball(Vector::ZERO, RADIUS, Vector::new(0.6, 0.0, 0.8));
+        let solid = SolidProperties::ball(f64::from(RADIUS));
+        IstShape::from_packing(&SpherePacking::new(vec![sphere], solid).unwrap())
+    }
+
+    fn samples(shapes: [&dyn Shape; 2], poses: &[Pose; 2]) -> Vec<ContactSample> {
+        let solids = shapes.map(|shape| shape.as_shape::<IstShape>().map(|shape| shape.tree().clone()));
+        let mut samples = Vec::new();
+        measure((&solids, shapes), poses, &mut OverlapWorkspace::default(), &mut samples);
+        samples
+    }
+
+    #[test]
+    fn samples_turn_with_the_pair() {
+        let turn = Pose::from_parts(Vector::new(3.0, -1.0, 2.0), Rotation::from_rotation_z(1.2));
+        let poses = [
+            Pose::from_parts(Vector::ZERO, Rotation::from_rotation_x(0.7)),
+            Pose::from_parts(Vector::X * 0.06, Rotation::from_rotation_y(-0.4)),
+        ];
+        let (tree, ball, half_space) = (tree(), Ball::new(RADIUS), HalfSpace::new(Vector::NEG_X));
+        let pairs: [[&dyn Shape; 2]; 4] =
+            [[&tree, &tree], [&tree, &ball], [&ball, &tree], [&tree, &half_space]];
+        for pair in pairs {
+            let still = samples(pair, &poses);
+            let turned = samples(pair, &poses.map(|pose| turn * pose));
+            assert!(!still.is_empty() && still.len() == turned.len(), "{still:?} {turned:?}");
+            for (before, after) in still.iter().zip(&turned) {
+                let close = |a: Vector, b: Vector, size: Real| a.distance(b) < 1e-4 * size;
+                assert!(close(turn * before.point, after.point, 1.0), "{before:?} {after:?}");
+                assert!(close(turn.rotation * before.normal, after.normal, 1.0), "{before:?} {after:?}");
+                assert!(close(turn.rotation * before.outward, after.outward, 1.0), "{before:?} {after:?}");
+                let area = before.vector_area.length();
+                assert!(
+                    close(turn.rotation * before.vector_area, after.vector_area, area),
+                    "{before:?} {after:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn exchanged_shapes_exchange_their_normals() {
+        let poses = [Pose::IDENTITY, Pose::from_parts(Vector::X * 0.12, Rotation::from_rotation_y(-0.4))];
+        let (tree, ball) = (tree(), Ball::new(RADIUS));
+        let (first, second) =
+            (samples([&tree, &ball], &poses), samples([&ball, &tree], &[poses[1], poses[0]]));
+        assert!(first.len() == 1 && second.len() == 1, "{first:?} {second:?}");
+        assert!(first[0].normal.distance(-second[0].normal) < 1e-5, "{first:?} {second:?}");
+        assert!(first[0].vector_area.distance(-second[0].vector_area) < 1e-6, "{first:?} {second:?}");
+        assert!(first[0].outward.distance(-second[0].outward) < 1e-5, "{first:?} {second:?}");
+        assert!(first[0].point.distance(second[0].point) < 1e-6, "{first:?} {second:?}");
+    }
+}
