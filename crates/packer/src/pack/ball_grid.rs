@@ -9,6 +9,10 @@ use glam::{DVec3, IVec3};
 use rustc_hash::FxHashMap;
 use std::f64::consts::PI;
 
+/// A query of more cells than this, and than there are balls, looks at the balls instead: large parts of a long body reach
+/// over 4e12 cells of small balls. Compact bodies stay below it, and find their balls in the order of the cells.
+const MANY_CELLS: f64 = 4096.0;
+
 /// A placed ball, exactly as it is exported.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ball {
@@ -95,15 +99,7 @@ impl BallGrid {
             if reach < 0.0 {
                 continue;
             }
-            let mut visit = |ball: &Ball| nearest = nearest.min(ball.distance(p));
-            // Large cells of a long body reach over more cells of small balls than there are balls. The least distance does not
-            // depend on their order.
-            let (first, last) = level.range(p, reach);
-            if (last.as_dvec3() - first.as_dvec3() + 1.0).element_product() > level.cells.len() as f64 {
-                level.cells.values().flatten().for_each(&mut visit);
-            } else {
-                level.visit((first, last), visit);
-            }
+            level.visit(level.range(p, reach), &self.balls, |ball| nearest = nearest.min(ball.distance(p)));
         }
         nearest
     }
@@ -112,7 +108,7 @@ impl BallGrid {
     pub(super) fn gather(&self, p: DVec3, bound: f64, out: &mut Vec<Ball>) {
         out.clear();
         for level in &self.levels {
-            level.visit(level.range(p, level.largest_radius + bound), |ball| {
+            level.visit(level.range(p, level.largest_radius + bound), &self.balls, |ball| {
                 if ball.distance(p) < bound {
                     out.push(*ball);
                 }
@@ -122,14 +118,24 @@ impl BallGrid {
 }
 
 impl Level {
+    fn holds(&self, ball: &Ball) -> bool {
+        ball.radius <= self.largest_radius && ball.radius > 0.5 * self.largest_radius
+    }
+
     /// The first and the last of the cells that centres within `reach` of `p` lie in.
     #[inline]
     fn range(&self, p: DVec3, reach: f64) -> (IVec3, IVec3) {
         (self.cell(p - reach), self.cell(p + reach))
     }
 
+    /// Visits the balls of the level in the cells from `first` to `last`, and maybe others; `all` are those of all levels.
     #[inline]
-    fn visit(&self, (first, last): (IVec3, IVec3), mut visit: impl FnMut(&Ball)) {
+    fn visit(&self, (first, last): (IVec3, IVec3), all: &[Ball], mut visit: impl FnMut(&Ball)) {
+        let cells = (last.as_dvec3() - first.as_dvec3() + 1.0).element_product();
+        if cells > MANY_CELLS.max(all.len() as f64) {
+            all.iter().filter(|ball| self.holds(ball)).for_each(visit);
+            return;
+        }
         for z in first.z..=last.z {
             for y in first.y..=last.y {
                 for x in first.x..=last.x {
@@ -145,6 +151,7 @@ impl Level {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     /// Small seeds of a spike of 260 km lay beyond the cells that i32 counts.
     #[test]
@@ -155,13 +162,49 @@ mod tests {
             grid.insert(Ball { center, radius: 1e-6 });
             grid.insert(Ball { center, radius: 1e-7 });
             assert_eq!(grid.clearance(center, 1e-7), -1e-6, "{far}");
-            assert!(
-                grid.clearance(center + 1e3, f64::INFINITY) < 2e3,
-                "few balls and very many cells: {far}"
-            );
             let mut near = Vec::new();
             grid.gather(center, 1e-7, &mut near);
             assert_eq!(near.len(), 2, "{far}");
+        }
+    }
+
+    /// A large cell of the spike reached over 4e12 cells of small balls.
+    #[test]
+    fn issue_no_more_cells_are_looked_at_than_there_are_balls() {
+        let mut grid = BallGrid::default();
+        for radius in [1e-6, 1e-7] {
+            grid.insert(Ball { center: DVec3::ZERO, radius });
+        }
+        let mut near = Vec::new();
+        for far in [1.0, 1e3, 1e12] {
+            assert_eq!(grid.clearance(DVec3::X * far, f64::INFINITY), far - 1e-6);
+            grid.gather(DVec3::X * far, f64::INFINITY, &mut near);
+            assert_eq!(near.len(), 2, "{far}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn finds_what_a_look_at_every_ball_finds(
+            balls in prop::collection::vec((prop::array::uniform3(-1.0..1.0), 0.001_f64..0.1), 1..200),
+            p in prop::array::uniform3(-1.5..1.5),
+            bound in -0.05..1.0,
+        ) {
+            let mut balls: Vec<Ball> =
+                balls.into_iter().map(|(center, radius)| Ball { center: center.into(), radius }).collect();
+            balls.sort_by(|a, b| b.radius.total_cmp(&a.radius));
+            let mut grid = BallGrid::default();
+            balls.iter().for_each(|ball| grid.insert(*ball));
+            let p = DVec3::from_array(p);
+            let nearest = balls.iter().fold(bound, |nearest: f64, ball| nearest.min(ball.distance(p)));
+            prop_assert_eq!(grid.clearance(p, bound), nearest);
+            let mut found = Vec::new();
+            grid.gather(p, bound, &mut found);
+            let by_place = |a: &Ball, b: &Ball| a.center.x.total_cmp(&b.center.x);
+            found.sort_by(by_place);
+            balls.retain(|ball| ball.distance(p) < bound);
+            balls.sort_by(by_place);
+            prop_assert_eq!(found, balls);
         }
     }
 }
