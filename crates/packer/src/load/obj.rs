@@ -10,7 +10,7 @@ pub(super) fn parse(bytes: &[u8]) -> Parsed {
     // Materials say nothing about the shape: their files are not opened.
     let no_materials = |_: &std::path::Path| Ok(Default::default());
     // Names and comments in other encodings than UTF-8 do no harm.
-    let text = String::from_utf8_lossy(bytes);
+    let text = positions_only(&String::from_utf8_lossy(bytes));
     let (models, _) = tobj::load_obj_buf(&mut text.as_bytes(), &options, no_materials)
         .map_err(|error| error.to_string())?;
     let mut mesh = TriangleMesh::default();
@@ -30,4 +30,26 @@ pub(super) fn parse(bytes: &[u8]) -> Parsed {
         }
     }
     Ok(mesh)
+}
+
+/// The file without texture coordinates and normals. The crate tobj panics, where overflow is checked, at an index of them
+/// that is far out of range.
+fn positions_only(text: &str) -> String {
+    let mut kept = String::with_capacity(text.len());
+    for line in text.lines() {
+        let mut words = line.split_whitespace();
+        match words.next() {
+            Some("vt" | "vn") => {}
+            Some("f") => {
+                kept.push('f');
+                for corner in words {
+                    kept.push(' ');
+                    kept.push_str(corner.split('/').next().unwrap_or_default());
+                }
+            }
+            _ => kept.push_str(line),
+        }
+        kept.push('\n');
+    }
+    kept
 }
