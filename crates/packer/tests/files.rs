@@ -297,6 +297,22 @@ fn polygons_and_groups_of_an_obj_file_become_one_mesh() {
 }
 
 #[test]
+fn issue_only_the_positions_of_an_obj_file_matter() {
+    let folder = TempDir::new().unwrap();
+    let load = |face: &str| {
+        let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nf {face}\n");
+        TriangleMesh::load_unchecked(file(&folder, "triangle.obj", text))
+    };
+    for face in ["1 2 3", "1/1/1 2//1 3/1", "-3/-11/-11 2/9/9 3//-11", "1/x 2/ 3//"] {
+        assert_eq!(load(face).unwrap().triangles, [[0, 1, 2]], "{face}");
+    }
+    for face in ["/1 1 2 3", "//1 1 2 3", "/ 1 2 3", "1 2 4", "-4 2 3", "0 2 3", "x/1 2 3"] {
+        let error = load(face).unwrap_err().to_string();
+        assert!(!error.contains("gave up"), "{face}: {error}");
+    }
+}
+
+#[test]
 fn obj_coordinates_keep_double_precision() {
     let folder = TempDir::new().unwrap();
     let path = file(&folder, "far.obj", "v 1000000.125 0 0\nv 1 0 0\nv 0 0.1 0\nf 1 2 3\n");

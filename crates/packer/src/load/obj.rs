@@ -32,8 +32,8 @@ pub(super) fn parse(bytes: &[u8]) -> Parsed {
     Ok(mesh)
 }
 
-/// The file without texture coordinates and normals. The crate tobj panics, where overflow is checked, at an index of them
-/// that is far out of range.
+/// The file without texture coordinates and normals, which say nothing about the shape. The crate tobj panics, where overflow
+/// is checked, at an index of them that is far out of range.
 fn positions_only(text: &str) -> String {
     let mut kept = String::with_capacity(text.len());
     for line in text.lines() {
@@ -44,7 +44,9 @@ fn positions_only(text: &str) -> String {
                 kept.push('f');
                 for corner in words {
                     kept.push(' ');
-                    kept.push_str(corner.split('/').next().unwrap_or_default());
+                    // A corner without a position stays as it is, for tobj to refuse.
+                    let position = corner.split('/').next().filter(|position| !position.is_empty());
+                    kept.push_str(position.unwrap_or(corner));
                 }
             }
             _ => kept.push_str(line),
