@@ -313,6 +313,32 @@ fn issue_only_the_positions_of_an_obj_file_matter() {
 }
 
 #[test]
+fn issue_an_obj_file_is_read_for_its_faces_alone() {
+    let folder = TempDir::new().unwrap();
+    let others = [
+        ("polyline", "l 1 2 3"),
+        ("polyline with texture", "vt 0 0\nl 1/1 2/1 4/1"),
+        ("points", "p 1 2 3"),
+        ("material without a name", "usemtl"),
+        ("colour", "v 2 2 2 0.5 0.5 0.5"),
+        ("colour with opacity", "v 2 2 2 0.5 0.5 0.5 1"),
+    ];
+    for (name, line) in others {
+        let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n{line}\nf 1 2 3\nf 1 2 4\n");
+        let mesh = TriangleMesh::load_unchecked(file(&folder, "corner.obj", text)).expect(name);
+        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 1, 3]], "{name}");
+    }
+}
+
+#[test]
+fn an_obj_vertex_is_divided_by_its_weight() {
+    let folder = TempDir::new().unwrap();
+    let text = "v 0 0 0 1\nv 2 0 0 2\nv 0 1 0\nf 1 2 3\n";
+    let mesh = TriangleMesh::load_unchecked(file(&folder, "weights.obj", text)).unwrap();
+    assert_eq!(mesh.vertices[1], DVec3::X);
+}
+
+#[test]
 fn obj_coordinates_keep_double_precision() {
     let folder = TempDir::new().unwrap();
     let path = file(&folder, "far.obj", "v 1000000.125 0 0\nv 1 0 0\nv 0 0.1 0\nf 1 2 3\n");

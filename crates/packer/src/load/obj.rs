@@ -7,10 +7,9 @@ use glam::DVec3;
 pub(super) fn parse(bytes: &[u8]) -> Parsed {
     let options =
         tobj::LoadOptions { ignore_points: true, ignore_lines: true, ..tobj::LoadOptions::default() };
-    // Materials say nothing about the shape: their files are not opened.
     let no_materials = |_: &std::path::Path| Ok(Default::default());
     // Names and comments in other encodings than UTF-8 do no harm.
-    let text = positions_only(&String::from_utf8_lossy(bytes));
+    let text = surface_only(&String::from_utf8_lossy(bytes));
     let (models, _) = tobj::load_obj_buf(&mut text.as_bytes(), &options, no_materials)
         .map_err(|error| error.to_string())?;
     let mut mesh = TriangleMesh::default();
@@ -32,14 +31,21 @@ pub(super) fn parse(bytes: &[u8]) -> Parsed {
     Ok(mesh)
 }
 
-/// The file without texture coordinates and normals, which say nothing about the shape. The crate tobj panics, where overflow
-/// is checked, at an index of them that is far out of range.
-fn positions_only(text: &str) -> String {
+/// The lines that make the surface: positions, and faces by their positions alone. The rest says nothing about the shape, and
+/// the crate tobj stumbles over it: it takes a polyline of three points (`l 1 2 3`) for a triangle, refuses files of which some
+/// vertices have a colour, and panics, where overflow is checked, at an index of a normal that is far out of range.
+fn surface_only(text: &str) -> String {
     let mut kept = String::with_capacity(text.len());
     for line in text.lines() {
         let mut words = line.split_whitespace();
         match words.next() {
-            Some("vt" | "vn") => {}
+            Some("v") => {
+                let numbers: Vec<&str> = words.collect();
+                // A fourth number alone is the weight, more are a colour.
+                let count = if numbers.len() == 4 { 4 } else { numbers.len().min(3) };
+                kept.push_str("v ");
+                kept.push_str(&numbers[..count].join(" "));
+            }
             Some("f") => {
                 kept.push('f');
                 for corner in words {
@@ -49,7 +55,7 @@ fn positions_only(text: &str) -> String {
                     kept.push_str(position.unwrap_or(corner));
                 }
             }
-            _ => kept.push_str(line),
+            _ => continue,
         }
         kept.push('\n');
     }
