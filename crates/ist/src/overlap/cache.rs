@@ -109,8 +109,8 @@ impl Lists {
     ) {
         self.blocks.clear();
         self.near.clear();
-        let wide = pose.with_margin(margin);
         let pair = (trees[0].data(), trees[1].data());
+        let wide = pose.with_margin(margin + pose.enlargement(pair));
         let mut maker = ListMaker { b: pair.1, pose: &wide, lists: self };
         let scratch = &mut workspace.traversal;
         dispatch!(simd_level(), simd => for_each_block(simd, pair, &wide, scratch, &mut maker));
@@ -141,7 +141,7 @@ impl Lists {
 /// Makes lists from a walk.
 struct ListMaker<'a> {
     b: &'a TreeData,
-    /// With the margin.
+    /// With the margin, and room for the rounding of the lists' test and of that of the pairs.
     pose: &'a RelativePose,
     lists: &'a mut Lists,
 }

@@ -60,7 +60,7 @@ pub(super) fn totals<const STIFFNESS: bool>(
     workspace: &mut OverlapWorkspace,
 ) -> Totals {
     let [(center_a, radius_a), (center_b, radius_b)] = bounding_balls(trees, grids.pose);
-    if center_a.distance(center_b) > radius_a + radius_b {
+    if center_a.distance(center_b) > radius_a + radius_b + grids.pose.enlargement(trees) {
         return Totals::default();
     }
     let run = |task: &Task, scratch: &mut GridScratch| {

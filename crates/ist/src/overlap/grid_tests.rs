@@ -3,8 +3,10 @@
 use super::tests::{random_pose, tree};
 use super::*;
 use crate::reference;
+use crate::tree::WIDTH;
 use crate::tree::tests::random_packing;
 use alloc::vec::Vec;
+use glam::{Quat, Vec3};
 use proptest::prelude::*;
 
 fn engine(engine: Engine) -> OverlapQuery {
@@ -48,7 +50,56 @@ fn pairs(a: &InnerSphereTree, b: &InnerSphereTree, pose: &Pose3, by: Engine) -> 
     keep.0
 }
 
+/// All pairs of spheres that pass the overlap's test, one by one.
+fn meeting(a: &InnerSphereTree, b: &InnerSphereTree, pose: &Pose3) -> Vec<[u32; 2]> {
+    let pose = RelativePose::new(a, b, pose).unwrap();
+    let placed = |i: usize| {
+        let block = dispatch!(simd_level(), simd => pose.place(simd, &b.data().levels[0].blocks[i / WIDTH]));
+        let lane = i % WIDTH;
+        (Vec3::new(block.x[lane], block.y[lane], block.z[lane]), block.radius[lane])
+    };
+    let mut found = Vec::new();
+    for in_b in 0..b.len() {
+        let (center_b, radius_b) = placed(in_b);
+        for in_a in 0..a.len() {
+            let (center_a, radius_a) = a.data().levels[0].get(in_a);
+            let reach = radius_a + pose.skin_a + radius_b;
+            if center_a.distance_squared(center_b) < reach * reach {
+                found.push([in_b as u32, in_a as u32]);
+            }
+        }
+    }
+    found
+}
+
 proptest! {
+    #[test]
+    fn issue_a_small_solid_on_the_border_of_a_large_sphere_misses_no_pair(
+        a in random_packing(12), b in random_packing(60), at in prop::array::uniform3(-1.0_f32..1.0),
+        of in (0_usize..12, 0_usize..60), exponent in 3_i32..8, turn in prop::array::uniform3(-3.0_f32..3.0),
+    ) {
+        let a = tree(&a).with_grid();
+        let b = tree(&b).scaled(10.0_f32.powi(-exponent)).unwrap().with_grid();
+        let (center_a, radius_a) = a.volume_balls().nth(of.0 % a.len()).unwrap();
+        let (center_b, _) = b.volume_balls().nth(of.1 % b.len()).unwrap();
+        let rotation = Quat::from_scaled_axis(turn.into());
+        let border = center_a + radius_a * Vec3::from(at).normalize_or(Vec3::X);
+        let translation = border - rotation * center_b;
+        let pose = Pose3::from_parts(translation, rotation);
+        let all = meeting(&a, &b, &pose);
+        for by in [Engine::Tree, Engine::Grid] {
+            prop_assert_eq!(&pairs(&a, &b, &pose, by), &all, "{:?}", by);
+        }
+        let (mut workspace, mut cache) = (OverlapWorkspace::default(), OverlapCache::default());
+        for i in 0..3 {
+            let translation = translation + Vec3::from(at) * (1e-7 * i as f32);
+            let pose = Pose3::from_parts(translation, rotation);
+            let caches = (&mut cache, &mut workspace);
+            let cached = a.overlap_cached(&b, &pose, engine(Engine::Tree), caches);
+            prop_assert_eq!(cached.pairs as usize, meeting(&a, &b, &pose).len());
+        }
+    }
+
     #[test]
     fn grids_find_the_pairs_of_the_tree(
         a in random_packing(300), b in random_packing(300), pose in random_pose(1.5),

@@ -72,7 +72,8 @@ pub(super) fn for_each_block<S: Simd>(
     scratch.fit(a, b);
     let TraversalScratch { near, spare, children, blocks } = scratch;
     let top = b.height();
-    let root = pose.place(simd, &b.root().blocks[0]);
+    let enlarged = pose.with_margin(pose.enlargement((a, b)));
+    let root = enlarged.place(simd, &b.root().blocks[0]);
     let a = Skinned { data: a, skin: pose.skin_a };
     descend_alone(simd, (a, top), &Ball::of(simd, &root, 0), spare, &mut children[top]);
     if top == 0 {
@@ -111,7 +112,7 @@ pub(super) fn for_each_block<S: Simd>(
         if below == 0 {
             visitor.visit(simd, node, &children[0]);
         } else {
-            let balls = pose.place(simd, &b.levels[below].blocks[node]);
+            let balls = enlarged.place(simd, &b.levels[below].blocks[node]);
             let end = b.levels[below].len().min((node + 1) * WIDTH);
             blocks[below] = Siblings { balls, next: node * WIDTH, end };
             level = below;

@@ -4,11 +4,6 @@ use super::super::relative_pose::RelativePose;
 use crate::tree::{DEPTH_TOLERANCE, DepthAt, NodeSum, NodeSums, TreeData};
 use glam::Vec3;
 
-/// What rounding does to the distance of two balls, and to the heights of the caps of their lens, relative to the
-/// largest coordinate. Three products and three sums move a centre of B by at most 4 · 2⁻²⁴, differences, root and caps
-/// add 6 · 2⁻²⁴; in all 6e-7.
-const ROUNDING: f32 = 1e-6;
-
 /// Two trees at a pose, in A's unscaled frame.
 pub(super) struct Query<'a> {
     pub(super) a: Side<'a>,
@@ -16,6 +11,9 @@ pub(super) struct Query<'a> {
     pub(super) pose: &'a RelativePose,
     /// How far rounding moves a centre of B at most (m).
     pub(super) rounding: f32,
+    /// By how much the balls of B's nodes are enlarged, so that they meet what spheres below them meet, and their lenses bound
+    /// those of the spheres: centres that coincide are held 1e-6 of the sum of the radii apart by the lens.
+    pub(super) enlargement: f32,
     /// Overlap volume (m³) that sums over nodes may lack or have too much of, because volumes of spheres vanish in f32.
     pub(super) vanishing: f64,
 }
@@ -31,14 +29,8 @@ pub(super) struct Side<'a> {
 
 impl<'a> Query<'a> {
     pub(super) fn new((a, b): (&'a TreeData, &'a TreeData), pose: &'a RelativePose) -> Self {
-        let reach = |tree: &TreeData| {
-            let (center, radius) = tree.root().get(0);
-            center.length() + radius
-        };
         let (sums_a, sums_b) = (a.sums(), b.sums());
-        let skins = pose.skin_a + pose.skin_b;
-        let largest = reach(a) + reach(b) * pose.scale + pose.translation.length() + skins;
-        let rounding = ROUNDING * largest;
+        let rounding = pose.rounding((a, b));
         // Depths hold for balls that are moved by less than their tolerance.
         let least = sums_b.least_radius() * pose.scale + pose.skin_b;
         let depth_b = if rounding < DEPTH_TOLERANCE * least {
@@ -57,14 +49,9 @@ impl<'a> Query<'a> {
             b: Side { tree: b, sums: sums_b, scale: pose.scale, skin: pose.skin_b, depth: depth_b },
             pose,
             rounding,
+            enlargement: pose.enlargement((a, b)),
             vanishing: vanishing_volume(a, b, pose.scale),
         }
-    }
-
-    /// By how much the balls of B's nodes are enlarged (m), so that their lenses bound those of spheres below: once for
-    /// rounding, once for centres that coincide, which the lens holds 1e-6 of the sum of the radii apart.
-    pub(super) fn enlargement(&self) -> f32 {
-        2.0 * self.rounding
     }
 }
 

@@ -198,7 +198,7 @@ impl Search<'_, '_> {
             let found = leaf_pairs.len() + self.resolved.totals.pairs as usize - waiting;
             return !self.meter.work(tests * lanes.count + found);
         }
-        balls.radius = balls.radius.map(|radius| radius + query.enlargement());
+        balls.radius = balls.radius.map(|radius| radius + query.enlargement);
         let mut rows = RowMaker::new(query, frontier, self.meter, (level_a, level_b));
         for node in nodes_b {
             let lane = node % WIDTH;
