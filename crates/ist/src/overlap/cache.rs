@@ -81,7 +81,7 @@ impl OverlapCache {
             let margin = margin.max(size(trees.1, pose) * 8.0 * ROUNDING);
             if step.is_none() || trees.1.height() == 0 || margin > WIDEST * block_radius(trees.1, pose) {
                 self.lists.trees = None;
-                return dispatch!(simd_level(), simd => for_each_pair(simd, trees, pose, workspace, sink));
+                return for_each_pair(trees, pose, workspace, sink);
             }
             self.lists.make([a, b], pose, margin, workspace);
         }

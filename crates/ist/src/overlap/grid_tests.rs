@@ -4,9 +4,11 @@ use super::tests::{random_pose, tree};
 use super::*;
 use crate::SpherePacking;
 use crate::reference;
+use crate::simd_level::simd_level;
 use crate::tree::WIDTH;
 use crate::tree::tests::random_packing;
 use alloc::vec::Vec;
+use fearless_simd::dispatch;
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
 
@@ -32,7 +34,7 @@ fn pairs(a: &InnerSphereTree, b: &InnerSphereTree, pose: &Pose3, by: Engine) -> 
     let trees = (a.data(), b.data());
     match by.grids([a, b], &pose) {
         None => {
-            dispatch!(simd_level(), simd => for_each_pair(simd, trees, &pose, &mut workspace, &mut keep));
+            for_each_pair(trees, &pose, &mut workspace, &mut keep);
         }
         Some(grids) => {
             let mut tasks = Vec::new();

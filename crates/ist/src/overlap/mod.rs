@@ -23,11 +23,9 @@ mod traversal;
 mod workspace;
 
 use crate::InnerSphereTree;
-use crate::simd_level::simd_level;
 use alloc::vec::Vec;
 pub use batch::{OverlapPair, overlap_batch};
 pub use cache::OverlapCache;
-use fearless_simd::dispatch;
 pub use force_law::ForceLaw;
 use glam::Vec3;
 use glamx::Pose3;
@@ -154,7 +152,7 @@ impl InnerSphereTree {
         lenses.clear(trees.0, trees.1);
         let leaves_a = (&*trees.0.levels[0].blocks, pose.skin_a);
         let mut sink = LensSink { lenses: &mut lenses, leaves_a };
-        dispatch!(simd_level(), simd => for_each_pair(simd, trees, &pose, workspace, &mut sink));
+        for_each_pair(trees, &pose, workspace, &mut sink);
         lenses.append_samples(trees, &pose, self.unit(), samples);
         workspace.lenses = lenses;
     }
@@ -172,7 +170,7 @@ fn totals<const STIFFNESS: bool>(
         return grid_engine::totals::<STIFFNESS>(trees, grids, workspace);
     }
     let mut sink = TotalsSink::<STIFFNESS>::new(trees, pose);
-    dispatch!(simd_level(), simd => for_each_pair(simd, trees, pose, workspace, &mut sink));
+    for_each_pair(trees, pose, workspace, &mut sink);
     sink.totals
 }
 

@@ -106,7 +106,12 @@ impl PairBuffer {
     pub(super) fn flush<S: Simd>(&mut self, simd: S, placed: &[BallBlock], sink: &mut impl PairSink) {
         if self.len > 0 {
             self.pad();
-            sink.take(simd, self, placed);
+            // Two places of every walk flush. What `vectorize` makes is one function for all of them: the crate compiles in
+            // little more than half the time, and queries with stiffness take 15 % less, others the same.
+            simd.vectorize(
+                #[inline(always)]
+                || sink.take(simd, self, placed),
+            );
             self.len = 0;
         }
     }

@@ -7,9 +7,7 @@ use super::traversal::for_each_pair;
 use super::{ForceLaw, Overlap, OverlapWorkspace};
 use crate::InnerSphereTree;
 use crate::patches::{ContactPatch, Scratch};
-use crate::simd_level::simd_level;
 use crate::tree::TreeData;
-use fearless_simd::dispatch;
 use glam::Vec3;
 use glamx::Pose3;
 
@@ -53,7 +51,7 @@ pub(crate) fn with_lenses(
     lenses.lenses.clear();
     let leaves_a = (&*trees.0.levels[0].blocks, pose.skin_a);
     let mut sink = LensSink { lenses: &mut lenses, leaves_a };
-    dispatch!(simd_level(), simd => for_each_pair(simd, trees, &pose, workspace, &mut sink));
+    for_each_pair(trees, &pose, workspace, &mut sink);
     let cloud = LensCloud { lenses: &lenses.lenses, trees: [trees.0, trees.1], pose: &pose, scale: a.unit() };
     act(cloud, &mut scratch);
     workspace.lenses = lenses;

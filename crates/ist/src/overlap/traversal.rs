@@ -8,9 +8,10 @@ use super::lanes::{Ball, BlockLanes, live_lanes};
 use super::pairs::{Lanes, PairBuffer, PairSink};
 use super::relative_pose::RelativePose;
 use super::workspace::{Candidates, OverlapWorkspace, Siblings, TraversalScratch};
+use crate::simd_level::simd_level;
 use crate::tree::{BallBlock, TreeData, WIDTH};
 use core::ops::Range;
-use fearless_simd::{Simd, prelude::*};
+use fearless_simd::{Simd, dispatch, prelude::*};
 
 /// Takes the leaves of B a block at a time, each with the leaves of A that are near it.
 pub(super) trait BlockVisitor {
@@ -45,8 +46,17 @@ impl<K: PairSink> PairFinder<'_, K> {
 
 /// Hands every pair of overlapping volume balls to `sink`, each once, in an order that depends on
 /// the trees and the pose only.
+pub(super) fn for_each_pair(
+    trees: (&TreeData, &TreeData),
+    pose: &RelativePose,
+    workspace: &mut OverlapWorkspace,
+    sink: &mut impl PairSink,
+) {
+    dispatch!(simd_level(), simd => find_pairs(simd, trees, pose, workspace, sink));
+}
+
 #[inline(always)]
-pub(super) fn for_each_pair<S: Simd>(
+fn find_pairs<S: Simd>(
     simd: S,
     trees: (&TreeData, &TreeData),
     pose: &RelativePose,
