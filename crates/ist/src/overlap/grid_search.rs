@@ -2,8 +2,8 @@
 //!
 //! Every pair is seen once, from its smaller sphere: spheres of B look in those levels of A whose largest radius is at least
 //! that of their own level, and spheres of A in the other levels of B. Neighbours look together: the spheres near the box
-//! around up to sixteen groups, of all levels, make one list; it is filtered by the box of each group, and what is left is
-//! tested against each sphere of the group.
+//! around many groups, of all levels, make one list; it is filtered by the boxes of fewer and fewer of them, and what is left
+//! for a group is tested against each sphere of it.
 
 use super::lanes::{BlockLanes, live_lanes, load};
 use super::pairs::{Lanes, PairBuffer, PairSink};
@@ -13,6 +13,7 @@ use crate::grid::{Entries, GridData, Level};
 use crate::tree::{BallBlock, WIDTH};
 use alloc::vec::Vec;
 use core::ops::Range;
+use core::slice;
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use glam::{Mat3, Vec3};
 
@@ -23,14 +24,20 @@ use glam::{Mat3, Vec3};
 /// 1,210 with 32.
 const TASK: usize = 64;
 
-/// Groups that look together, at most.
-const NEIGHBOURS: usize = 16;
+/// Groups whose boxes filter the list of all neighbours in a task, and what that leaves, before a group's own box does.
+///
+/// Work per sphere grows with the count up to where few spheres lie at the surface: with the coarse lists, that is. Time per
+/// sphere, a cube of tiles in itself, 1,000 / 27,000 / 343,000 / 1,000,000 spheres: 56 / 67 / 76 / 80 ns. With lists for up to 16
+/// groups, and for each group out of these, 59 / 75 / 90 / 91 ns.
+const MANY: usize = 16;
+const FEW: usize = 4;
 
 /// Widest extent of the centres of neighbours, in cells of their level.
 ///
 /// Time per sphere, a rabbit in itself at an angle, 1,000 / 10,000 / 100,000 spheres: with cells as wide as 8 largest radii
 /// 34 / 37 / 40 ns for 2 cells, 35 / 44 / 42 for 3, 42 / 46 / 48 for 4; with cells of 6 radii 33 / 40 / 49 ns for 2
-/// cells, and of 4 radii 37 / 60 / 80. Without neighbours, every group for itself, 56 / 75 / 92 ns.
+/// cells, and of 4 radii 37 / 60 / 80. Without neighbours, every group for itself, 56 / 75 / 92 ns. All this with up to 16
+/// groups; with 64, 3 cells of 6 or 8 radii are as good.
 const WIDEST: f32 = 2.0;
 
 /// Room for the rounding of centres that were transformed there and back, relative to their coordinates.
@@ -61,8 +68,10 @@ pub(super) struct GridPair<'a> {
 pub(super) struct GridScratch {
     pub(super) tasks: Vec<Task>,
     neighbours: Vec<Group>,
-    /// The other solid's spheres near all of the neighbours, and near one group of them.
+    /// The other solid's spheres near all of the neighbours, near [`MANY`] and [`FEW`] of them, and near one group.
     near: Candidates,
+    near_many: Candidates,
+    near_few: Candidates,
     near_group: Candidates,
     cells: Vec<Range<u32>>,
     pairs: PairBuffer,
@@ -115,7 +124,7 @@ impl<'a> GridPair<'a> {
         scratch: &mut GridScratch,
         sink: &mut impl PairSink,
     ) {
-        let GridScratch { neighbours, near, near_group, cells, pairs, .. } = scratch;
+        let GridScratch { neighbours, near, near_many, near_few, near_group, cells, pairs, .. } = scratch;
         let (own, other) = if task.of_a { (self.a, self.b) } else { (self.b, self.a) };
         let levels = &other.levels[self.first_level(task)..];
         if levels.is_empty() {
@@ -132,26 +141,24 @@ impl<'a> GridPair<'a> {
             }
             near.clear();
             self.gather(simd, &around, (cells, task.of_a), near);
-            for group in &*neighbours {
-                near_group.fit(near.len);
-                let bounds = BoxLanes::new(simd, &group.bounds);
-                let mut tail = near_group.tail();
-                for first in (0..near.len).step_by(WIDTH) {
-                    let block = BlockLanes::of(simd, near, first);
-                    let mask = bounds.touched_by(&block) & live_lanes(simd, near.len, first);
-                    block.append_where(simd, mask, &mut tail);
+            for many in neighbours.chunks(MANY) {
+                keep_near(simd, near, many, near_many);
+                for few in many.chunks(FEW) {
+                    keep_near(simd, near_many, few, near_few);
+                    for group in few {
+                        keep_near(simd, near_few, slice::from_ref(group), near_group);
+                        let index = core::array::from_fn(|lane| (group.first + lane) as u32);
+                        let lanes = Lanes { balls: &group.balls, index, count: group.count, of_a: task.of_a };
+                        pairs.append(simd, (near_group, 0..near_group.len), &lanes, (&[], sink));
+                    }
                 }
-                near_group.len = tail.len;
-                let index = core::array::from_fn(|lane| (group.first + lane) as u32);
-                let lanes = Lanes { balls: &group.balls, index, count: group.count, of_a: task.of_a };
-                pairs.append(simd, (near_group, 0..near_group.len), &lanes, (&[], sink));
             }
         }
         pairs.flush(simd, &[], sink);
     }
 
     /// Fills `neighbours` with groups of `task` from `next` on, which it moves behind them, and returns the box around all:
-    /// as many as there is room for, and as are not wider than `widest`.
+    /// as many as are not wider than `widest`.
     #[inline(always)]
     fn next_neighbours<S: Simd>(
         self,
@@ -163,7 +170,7 @@ impl<'a> GridPair<'a> {
         let grid = if task.of_a { self.a } else { self.b };
         let mut around = BallBox::EMPTY;
         neighbours.clear();
-        while *next < task.groups.end && neighbours.len() < NEIGHBOURS {
+        while *next < task.groups.end {
             let entries = grid.entries_of_group(*next);
             let balls = self.block(simd, &grid.entries, entries.start, task.of_a);
             let bounds = BallBox::around(&balls, entries.len());
@@ -238,6 +245,21 @@ impl<'a> GridPair<'a> {
             self.pose.place(simd, &BallBlock { x, y, z, radius: radius.to_array() })
         }
     }
+}
+
+/// Fills `kept` with those balls of `list` that may meet a sphere of `groups`.
+#[inline(always)]
+fn keep_near<S: Simd>(simd: S, list: &Candidates, groups: &[Group], kept: &mut Candidates) {
+    kept.fit(list.len);
+    let around = groups.iter().fold(BallBox::EMPTY, |around, group| around.union(&group.bounds));
+    let bounds = BoxLanes::new(simd, &around);
+    let mut tail = kept.tail();
+    for first in (0..list.len).step_by(WIDTH) {
+        let block = BlockLanes::of(simd, list, first);
+        let mask = bounds.touched_by(&block) & live_lanes(simd, list.len, first);
+        block.append_where(simd, mask, &mut tail);
+    }
+    kept.len = tail.len;
 }
 
 /// A box around the centres of balls, in A's frame, and their largest radius.
