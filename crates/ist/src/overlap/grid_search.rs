@@ -24,11 +24,11 @@ use glam::{Mat3, Vec3};
 /// 1,210 with 32.
 const TASK: usize = 64;
 
-/// Groups whose boxes filter the list of all neighbours in a task, and what that leaves, before a group's own box does.
+/// Neighbours whose boxes narrow the list down, first so many at once and then so few, before each group's own box does.
 ///
-/// Work per sphere grows with the count up to where few spheres lie at the surface: with the coarse lists, that is. Time per
-/// sphere, a cube of tiles in itself, 1,000 / 27,000 / 343,000 / 1,000,000 spheres: 56 / 67 / 76 / 80 ns. With lists for up to 16
-/// groups, and for each group out of these, 59 / 75 / 90 / 91 ns.
+/// Time per sphere, a cube of tiles in itself, 1,000 / 27,000 / 343,000 / 1,000,000 spheres: 56 / 67 / 76 / 80 ns. With lists
+/// for up to 16 groups, from which those of single groups are made, 59 / 75 / 90 / 91 ns: more spheres, of which fewer lie at
+/// the surface, have longer lists.
 const MANY: usize = 16;
 const FEW: usize = 4;
 
