@@ -10,7 +10,7 @@ mod surface_impact;
 use super::*;
 use crate::{InnerSphere, InnerSphereTree, SolidProperties, SpherePacking};
 use alloc::vec::Vec;
-use glam::{Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
 use glamx::Pose3;
 use proptest::prelude::*;
 

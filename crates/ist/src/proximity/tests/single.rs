@@ -4,17 +4,31 @@ use super::*;
 use crate::reference;
 use core::ops::ControlFlow;
 
-/// Way along a unit direction to the first surface of a ball.
-fn way_to_ball(origin: Vec3, direction: Vec3, (center, radius): (Vec3, f32), solid: bool) -> Option<f64> {
-    let from = origin.as_dvec3() - center.as_dvec3();
-    let (b, c) = (from.dot(direction.as_dvec3()), from.length_squared() - f64::from(radius).powi(2));
-    let root = (b * b - c).max(0.0).sqrt();
-    if b * b < c || (c > 0.0 && b > 0.0) {
-        None
-    } else if c > 0.0 {
-        Some(-b - root)
+/// The least and the greatest way along a unit direction to the first surface of a ball known to `rounding`: where the
+/// line grazes, a little of the radius is much of the way.
+fn ways_to_ball(
+    [origin, unit]: [DVec3; 2],
+    (center, radius): (Vec3, f32),
+    rounding: f64,
+    solid: bool,
+) -> [f64; 2] {
+    let from_origin = center.as_dvec3() - origin;
+    let nearest = from_origin.dot(unit);
+    let aside = from_origin - nearest * unit;
+    let half_chord = |radius: f64| (radius * radius - aside.length_squared()).max(0.0).sqrt();
+    let [small, large] = [-rounding, rounding].map(|change| (f64::from(radius) + change).max(0.0));
+    if from_origin.length() > large {
+        let way_in = |radius| {
+            let meets = nearest > 0.0 && aside.length() <= radius;
+            if meets { nearest - half_chord(radius) } else { f64::INFINITY }
+        };
+        [way_in(large) - rounding, way_in(small) + rounding]
+    } else if from_origin.length() >= small {
+        [0.0, f64::INFINITY]
+    } else if solid {
+        [0.0; 2]
     } else {
-        Some(if solid { 0.0 } else { -b + root })
+        [nearest + half_chord(small) - rounding, nearest + half_chord(large) + rounding]
     }
 }
 
@@ -86,28 +100,27 @@ proptest! {
         let ray = Ray { origin, direction: unit * length, max_time };
         let hit = tree.cast_ray(&ray, solid, kind);
         let list = reference::balls(&tree, kind);
-        let ways = list.iter().filter_map(|&ball| way_to_ball(origin, unit, ball, solid));
-        let first = ways.fold(f64::INFINITY, f64::min) / f64::from(length);
-        // Where a ray grazes, the way changes with the root of the rounding.
-        let tolerance = 3e-3 * f64::from(tree.scale() / length).max(1e-3);
+        let rounding = 1e-6 * (origin.length() + tree.bounding_ball().0.length() + tree.bounding_ball().1);
+        let exact = [origin.as_dvec3(), ray.direction.as_dvec3().normalize()];
+        let [least, greatest] = list
+            .iter()
+            .map(|&ball| ways_to_ball(exact, ball, rounding.into(), solid))
+            .fold([f64::INFINITY; 2], |[a, b], [c, d]| [a.min(c), b.min(d)]);
         if let Some(hit) = hit {
-            prop_assert!((f64::from(hit.time) - first).abs() <= tolerance, "{} {}", hit.time, first);
+            let way = f64::from(hit.time) * ray.direction.as_dvec3().length();
+            prop_assert!(least <= way && way <= greatest, "{least} {way} {greatest}");
             prop_assert!(hit.time <= max_time);
             prop_assert!((hit.normal.length() - 1.0).abs() < 1e-5);
-            prop_assert!(hit.point.distance(origin + hit.time * ray.direction) <= 1e-5 * (10.0 + origin.length()));
+            prop_assert!(hit.point.distance(origin + hit.time * ray.direction) <= rounding);
             let (center, radius) = list[hit.sphere];
             let outside = hit.point.distance(center) - radius;
-            let rounding = 1e-5 * (origin.length() + tree.bounding_ball().1 + 10.0);
             prop_assert!(outside.abs() <= rounding || (solid && hit.time == 0.0 && outside < 0.0));
             if hit.time > 0.0 {
-                prop_assert!(hit.normal.dot(unit) <= rounding.sqrt() / radius.min(1.0), "faces the ray");
+                prop_assert!(hit.normal.dot(unit) <= (2.0 * rounding / radius).sqrt(), "faces the ray");
             }
         } else {
-            // A ball that is only grazed may be missed; one that the ray begins in is not.
-            let firm = |(c, r): (Vec3, f32)| if origin.distance(c) > r { (c, r * 0.999) } else { (c, r) };
-            let hits = list.iter().filter_map(|&ball| way_to_ball(origin, unit, firm(ball), solid));
-            let first = hits.fold(f64::INFINITY, f64::min) / f64::from(length);
-            prop_assert!(first > f64::from(max_time) - tolerance, "{first}");
+            let end = f64::from(max_time) * ray.direction.as_dvec3().length();
+            prop_assert!(greatest > end, "{greatest} {end}");
         }
     }
 }
