@@ -214,7 +214,8 @@ fn figures() {
 #[test]
 fn issue_a_tiny_ball_is_placed_as_its_distance_allows() {
     let tiny = solid(&[(Vec3::new(0.5870648, 0.700523, 0.620396), 0.00064056827)]);
-    let large = solid(&[(Vec3::new(-0.31991014, -0.16398086, 0.754128), 0.25355116)]).scaled(0.895655).unwrap();
+    let large =
+        solid(&[(Vec3::new(-0.31991014, -0.16398086, 0.754128), 0.25355116)]).scaled(0.895655).unwrap();
     let rotation = glam::Quat::from_xyzw(-0.2644158, -0.54069626, -0.78084373, -0.16737635);
     check(&tiny, &large, &Pose3::from_parts(Vec3::new(0.098817505, 0.38091394, 0.48035666), rotation));
 }
