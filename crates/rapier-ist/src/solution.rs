@@ -15,8 +15,9 @@ pub(crate) struct Solution {
     pub(crate) pairs: Vec<[usize; 2]>,
     /// In the order of the pairs.
     pub(crate) solved: Vec<Solved>,
-    /// The unknowns of all bodies.
+    /// The unknowns of all bodies, and whether they solve the systems of their islands.
     pub(crate) states: Vec<Screw>,
+    pub(crate) is_solved: Vec<bool>,
 }
 
 /// A contact is measured again where it moved by more than this share of its depth from where it was measured. Not tuned.
@@ -149,15 +150,16 @@ pub(crate) fn solve(
     #[cfg(not(feature = "parallel"))]
     let solved: Vec<_> = islands.into_iter().map(solve).collect();
     let mut states: Vec<Screw> = vec![Screw::ZERO; bodies.states.len()];
+    let mut is_solved = vec![true; bodies.states.len()];
     let mut all = Vec::with_capacity(pairs.len());
     for (pairs, island) in solved {
         all.extend(pairs);
-        for (body, state) in island {
-            states[body] = state;
+        for (body, state, solved) in island {
+            (states[body], is_solved[body]) = (state, solved);
         }
     }
     all.sort_unstable_by_key(|solved| solved.pair);
-    Solution { pairs, solved: all, states }
+    Solution { pairs, solved: all, states, is_solved }
 }
 
 /// One pair after the solve.
@@ -182,7 +184,7 @@ fn solve_island(
     (members, contacts): (Vec<usize>, Vec<PairContacts>),
     pairs: &[[usize; 2]],
     dt: f64,
-) -> (Vec<Solved>, Vec<(usize, Screw)>) {
+) -> (Vec<Solved>, Vec<(usize, Screw, bool)>) {
     let mut used: Vec<usize> = members.iter().flat_map(|&pair| pairs[pair]).collect();
     used.sort_unstable();
     used.dedup();
@@ -193,7 +195,8 @@ fn solve_island(
         used.iter().map(|&body| start[body]).collect(),
     );
     island.solve(dt);
-    let states = used.iter().enumerate().map(|(i, &body)| (body, island.state(i))).collect();
+    let is_solved = island.is_solved();
+    let states = used.iter().enumerate().map(|(i, &body)| (body, island.state(i), is_solved)).collect();
     let twists = island.twists_before().into_iter().zip(island.final_twists());
     let solved = members.into_iter().zip(island.into_contacts()).zip(twists);
     let solved = solved.map(|((pair, contacts), (relative_velocity, twist))| Solved {

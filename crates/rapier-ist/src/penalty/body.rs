@@ -99,6 +99,18 @@ impl SolverBody {
     pub(crate) fn root_transpose_times(&self, v: Screw) -> Screw {
         Screw { linear: self.root_linear * v.linear, angular: self.root_angular.transpose() * v.angular }
     }
+
+    /// The impulse `p` with `Lᵀ p = v`, zero along locked axes: it changes the twist by `L v`.
+    pub(crate) fn impulse_of(&self, v: Screw) -> Screw {
+        let over = |value: f64, root: f64| if root > 0.0 { value / root } else { 0.0 };
+        let mut angular = DVec3::ZERO;
+        for i in (0..3).rev() {
+            let below: f64 = (i + 1..3).map(|j| self.root_angular.col(i)[j] * angular[j]).sum();
+            angular[i] = over(v.angular[i] - below, self.root_angular.col(i)[i]);
+        }
+        let [x, y, z] = [0, 1, 2].map(|i| over(v.linear[i], self.root_linear[i]));
+        Screw { linear: DVec3::new(x, y, z), angular }
+    }
 }
 
 /// The constant twist that takes a position-based kinematic body to its next position.
@@ -155,6 +167,26 @@ mod tests {
             let m = lock * root * root.transpose() * lock;
             let l = cholesky(m);
             assert!((l * l.transpose()).abs_diff_eq(m, 1e-14), "{locked}");
+        }
+    }
+
+    #[test]
+    fn the_impulse_of_an_unknown_gives_its_change_of_twist() {
+        let inverse_inertia = DMat3::from_cols(
+            DVec3::new(4.0, -1.0, 0.5),
+            DVec3::new(-1.0, 3.0, 0.2),
+            DVec3::new(0.5, 0.2, 2.0),
+        );
+        let v = Screw { linear: DVec3::new(0.3, -2.0, 7.0), angular: DVec3::new(-1.0, 0.4, 5.0) };
+        for locked in [DVec3::ONE, DVec3::new(1.0, 0.0, 1.0), DVec3::new(0.0, 0.0, 1.0), DVec3::ZERO] {
+            let lock = DMat3::from_diagonal(locked);
+            let root_angular = cholesky(lock * inverse_inertia * lock);
+            let body = SolverBody { root_linear: 0.7 * locked, root_angular, ..SolverBody::FIXED };
+            let impulse = body.impulse_of(v);
+            let change = body.root_times(body.root_transpose_times(impulse));
+            let left = change - body.root_times(v);
+            assert!(left.dot(left) < 1e-24, "{locked} {left:?}");
+            assert!(impulse.linear * (DVec3::ONE - locked) == DVec3::ZERO);
         }
     }
 }

@@ -6,13 +6,14 @@ use super::block_matrix::BlockMatrix;
 /// Most iterations; a matrix of n bodies needs no more than 6 n in exact arithmetic.
 const MAX_ITERATIONS: usize = 400;
 
-/// Improves the solution `x` of `matrix · x = rhs` until `is_done` says so of the residual and of `x`.
+/// Improves the solution `x` of `matrix · x = rhs` until `is_done` says so of the residual and of `x`, and returns whether it
+/// did.
 pub(crate) fn conjugate_gradients(
     matrix: &BlockMatrix,
     rhs: &[[f64; 6]],
     x: &mut [[f64; 6]],
     is_done: impl Fn(&[[f64; 6]], &[[f64; 6]]) -> bool,
-) {
+) -> bool {
     let mut image = vec![[0.0; 6]; rhs.len()];
     matrix.times(x, &mut image);
     let mut residual = rhs.to_vec();
@@ -21,7 +22,7 @@ pub(crate) fn conjugate_gradients(
     let (mut direction, mut rz) = (Vec::new(), 0.0);
     for iteration in 0..MAX_ITERATIONS {
         if is_done(&residual, x) {
-            break;
+            return true;
         }
         matrix.precondition(&residual, &mut z);
         let next = dot(&residual, &z);
@@ -43,6 +44,7 @@ pub(crate) fn conjugate_gradients(
         add_scaled(x, &direction, step);
         add_scaled(&mut residual, &image, -step);
     }
+    is_done(&residual, x)
 }
 
 fn add_scaled(sum: &mut [[f64; 6]], v: &[[f64; 6]], factor: f64) {

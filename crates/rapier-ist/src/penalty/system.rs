@@ -39,6 +39,8 @@ pub(crate) struct Island {
     matrix: BlockMatrix,
     /// `y` of each body.
     state: Vec<[f64; 6]>,
+    /// Whether the state solves the system as it is linearised now.
+    is_solved: bool,
 }
 
 /// Where the contacts of a pair act.
@@ -96,7 +98,8 @@ impl Island {
             links.iter().filter(|link| link.couples(&bodies)).map(|link| link.bodies).collect();
         let matrix = BlockMatrix::new(bodies.len(), &couplings);
         let pairs = pairs.into_iter().map(|(_, pair)| pair).collect();
-        Self { links, bodies, pairs, matrix, state: state.into_iter().map(Screw::to_array).collect() }
+        let state = state.into_iter().map(Screw::to_array).collect();
+        Self { links, bodies, pairs, matrix, state, is_solved: false }
     }
 
     /// The contacts, in the order in which they came.
@@ -121,6 +124,11 @@ impl Island {
         Screw::from_array(self.state[i])
     }
 
+    /// Whether the last solve went as far as it should.
+    pub(crate) fn is_solved(&self) -> bool {
+        self.is_solved
+    }
+
     /// Twist of body `i` at the end of the step, as last solved.
     fn final_twist(&self, i: usize) -> Screw {
         self.bodies[i].predicted + self.bodies[i].root_times(self.state(i))
@@ -133,9 +141,9 @@ impl Island {
     pub(crate) fn solve_linear(&mut self, dt: f64) {
         self.assemble(dt);
         let rhs = self.right_hand_side(dt);
-        let Self { matrix, state, bodies, .. } = self;
+        let Self { matrix, state, bodies, is_solved, .. } = self;
         let is_accurate = accuracy(&rhs);
-        conjugate_gradients(matrix, &rhs, state, |residual, state| {
+        *is_solved = conjugate_gradients(matrix, &rhs, state, |residual, state| {
             is_small(residual, bodies) || is_accurate(residual, state)
         });
     }
