@@ -7,7 +7,8 @@ use rapier3d::math::{Real, Vector};
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct StepReport {
-    /// One entry per pair of colliders that overlap, sorted by handles.
+    /// One entry per pair of colliders that overlap, sorted by handles. Forces on a body add up to what changed its velocity,
+    /// except between bodies whose contacts were too stiff to be solved, as in packings of coincident spheres.
     pub contacts: Vec<PairContact>,
     /// The parts of [`Self::contacts`] that push in about the same direction, sorted by pair. A body in a groove has
     /// two patches. Forces of the patches of a pair add up to the pair's, and so do volumes.
