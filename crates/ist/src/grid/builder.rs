@@ -107,23 +107,21 @@ fn occupied_cells(part: &[Placed], start: usize) -> Vec<(u64, core::ops::Range<u
 fn entries(tree: &TreeData, placed: &[Placed]) -> Entries {
     let with_room = || Vec::with_capacity(placed.len() + WIDTH);
     let (x, y, z, radius) = (with_room(), with_room(), with_room(), with_room());
-    let normal = Vec::with_capacity(placed.len() + WIDTH);
     let index = Vec::with_capacity(placed.len() + WIDTH);
-    let mut entries = Entries { x, y, z, radius, normal, index };
-    let mut push = |center: Vec3, radius, normal, index| {
+    let mut entries = Entries { x, y, z, radius, index };
+    let mut push = |center: Vec3, radius, index| {
         entries.x.push(center.x);
         entries.y.push(center.y);
         entries.z.push(center.z);
         entries.radius.push(radius);
-        entries.normal.push(normal);
         entries.index.push(index);
     };
     for p in placed {
         let (center, radius) = tree.levels[0].get(p.index as usize);
-        push(center, radius, tree.normals[p.index as usize], p.index);
+        push(center, radius, p.index);
     }
     for _ in 0..WIDTH {
-        push(Vec3::splat(FAR), 0.0, Vec3::ZERO, 0);
+        push(Vec3::splat(FAR), 0.0, 0);
     }
     entries
 }

@@ -24,7 +24,7 @@ use glam::{UVec3, Vec3};
 /// Edge of a cell over the largest radius of its level; `overlap/grid_search.rs` has the measurement.
 const CELL_WIDTH: f32 = 8.0;
 
-/// Grids over the spheres of a tree. Building takes O(n log n), memory is about 35 bytes per sphere.
+/// Grids over the spheres of a tree. Building takes O(n log n), memory is about 23 bytes per sphere.
 ///
 /// It belongs to the tree that it was made of and to all scaled copies of that, see [`InnerSphereTree::with_grid`].
 #[derive(Clone, Debug)]
@@ -58,15 +58,13 @@ pub(crate) struct Level {
     cells: CellTable,
 }
 
-/// Balls in struct-of-arrays order, and their normals.
+/// Balls in struct-of-arrays order.
 #[derive(Debug, Default)]
 pub(crate) struct Entries {
     pub(crate) x: Vec<f32>,
     pub(crate) y: Vec<f32>,
     pub(crate) z: Vec<f32>,
     pub(crate) radius: Vec<f32>,
-    /// Outward normals, again, in this order.
-    pub(crate) normal: Vec<Vec3>,
     /// Position in the order of the tree.
     pub(crate) index: Vec<u32>,
 }

@@ -5,7 +5,7 @@
 //! that a new walk would find.
 //! After L. Verlet's neighbour lists for molecular dynamics (*Computer "experiments" on classical fluids*, 1967).
 
-use super::lanes::{Ball, BlockLanes, live_lanes};
+use super::lanes::{Ball, BlockLanes};
 use super::pairs::PairSink;
 use super::relative_pose::RelativePose;
 use super::traversal::{BlockVisitor, PairFinder, for_each_block, for_each_pair};
@@ -85,7 +85,6 @@ impl OverlapCache {
             }
             self.lists.make([a, b], pose, margin, workspace);
         }
-        workspace.fit_leaves(trees.1);
         dispatch!(simd_level(), simd => self.lists.for_each_pair(simd, (trees.1, pose), workspace, sink));
     }
 }
@@ -128,13 +127,15 @@ impl Lists {
         workspace: &mut OverlapWorkspace,
         sink: &mut impl PairSink,
     ) {
-        let OverlapWorkspace { placed, pairs, .. } = workspace;
-        let mut finder = PairFinder { b, pose, placed, pairs, sink };
+        let OverlapWorkspace { pairs, .. } = workspace;
+        pairs.clear();
+        let mut finder = PairFinder { b, pose, pairs, sink };
         for list in self.blocks.windows(2) {
             let [(block, start), (_, end)] = [list[0], list[1]];
-            finder.pair(simd, block as usize, (&self.near, start as usize..end as usize));
+            let near = self.near.blocks_from(start as usize, (end - start) as usize);
+            finder.pair(simd, block as usize, near);
         }
-        finder.pairs.flush(simd, finder.placed, finder.sink);
+        finder.pairs.flush(simd, finder.sink);
     }
 }
 
@@ -151,18 +152,20 @@ impl BlockVisitor for ListMaker<'_> {
     fn visit<S: Simd>(&mut self, simd: S, block: usize, near: &Candidates) {
         let Lists { blocks, near: list, .. } = &mut *self.lists;
         let start = list.len;
-        list.make_room(near.len);
+        list.make_room(near.len + WIDTH);
         let leaves = self.pose.place(simd, &self.b.levels[0].blocks[block]);
         let mut tail = list.tail();
-        for first in (0..near.len).step_by(WIDTH) {
-            let lanes = BlockLanes::of(simd, near, first);
+        let near = near.blocks();
+        for i in 0..near.x.len() {
+            let lanes = BlockLanes::of(simd, near, i);
             let mut met = lanes.touches(&Ball::of(simd, &leaves, 0));
             for lane in 1..WIDTH {
                 met |= lanes.touches(&Ball::of(simd, &leaves, lane));
             }
-            lanes.append_where(simd, met & live_lanes(simd, near.len, first), &mut tail);
+            lanes.append_where(simd, met, &mut tail);
         }
-        list.len = tail.len;
+        // The next list begins behind what fills up the last block of this one.
+        list.len = start + (tail.close() - start).next_multiple_of(WIDTH);
         if list.len > start {
             blocks.push((block as u32, start as u32));
         }

@@ -101,7 +101,7 @@ impl InnerSphereTree {
             totals.volume += cap.volume;
             totals.moment += cap.volume * point;
             totals.gradient.add_force(outward * -cap.base, center);
-            let own = self.data().normals[ball.index].as_dvec3();
+            let own = self.data().leaves[ball.index].normal().as_dvec3();
             totals.outward.add_force((own * share - outward) * cap.volume, point);
             if cap.height > greatest {
                 greatest = cap.height;

@@ -2,7 +2,6 @@
 
 use super::Engine;
 use super::grid_search::{GridPair, GridScratch, Task};
-use super::grid_sink::GridSink;
 use super::relative_pose::RelativePose;
 use super::totals::{Totals, TotalsSink};
 use super::workspace::OverlapWorkspace;
@@ -64,9 +63,9 @@ pub(super) fn totals<const STIFFNESS: bool>(
         return Totals::default();
     }
     let run = |task: &Task, scratch: &mut GridScratch| {
-        let mut sink = GridSink { totals: TotalsSink::<STIFFNESS>::new(trees, grids.pose), grids };
+        let mut sink = TotalsSink::<STIFFNESS>::new(trees, grids.pose);
         dispatch!(simd_level(), simd => grids.find_pairs(simd, task, scratch, &mut sink));
-        sink.totals.totals
+        sink.totals
     };
     sum_of_tasks(grids, run, &mut workspace.grid)
 }

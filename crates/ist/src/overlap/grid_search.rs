@@ -14,7 +14,7 @@ use crate::tree::{BallBlock, WIDTH};
 use alloc::vec::Vec;
 use core::ops::Range;
 use core::slice;
-use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
+use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
 use glam::{Mat3, Vec3};
 
 /// Groups per task: enough work to be worth handing to another thread, about 500 spheres.
@@ -82,8 +82,8 @@ pub(super) struct GridScratch {
 struct Group {
     balls: BallBlock,
     bounds: BallBox,
-    /// Their entries.
-    first: usize,
+    /// Positions in the order of their tree, from the first lane on.
+    index: [u32; WIDTH],
     count: usize,
 }
 
@@ -115,7 +115,7 @@ impl<'a> GridPair<'a> {
         self.a.along_curve(if of_a { center } else { self.pose.transform_point(center) })
     }
 
-    /// Hands the pairs of `task`, positions among the entries, to the sink.
+    /// Hands the pairs of `task` to the sink.
     #[inline(always)]
     pub(super) fn find_pairs<S: Simd>(
         self,
@@ -147,14 +147,14 @@ impl<'a> GridPair<'a> {
                     keep_near(simd, near_many, few, near_few);
                     for group in few {
                         keep_near(simd, near_few, slice::from_ref(group), near_group);
-                        let index = core::array::from_fn(|lane| (group.first + lane) as u32);
-                        let lanes = Lanes { balls: &group.balls, index, count: group.count, of_a: task.of_a };
-                        pairs.append(simd, (near_group, 0..near_group.len), &lanes, (&[], sink));
+                        let Group { balls, index, count, .. } = group;
+                        let lanes = Lanes { balls, index: *index, count: *count, of_a: task.of_a };
+                        pairs.append(simd, near_group.blocks(), &lanes, sink);
                     }
                 }
             }
         }
-        pairs.flush(simd, &[], sink);
+        pairs.flush(simd, sink);
     }
 
     /// Fills `neighbours` with groups of `task` from `next` on, which it moves behind them, and returns the box around all:
@@ -179,7 +179,8 @@ impl<'a> GridPair<'a> {
                 break;
             }
             around = both;
-            neighbours.push(Group { balls, bounds, first: entries.start, count: entries.len() });
+            let index = indices(&grid.entries, entries.start);
+            neighbours.push(Group { balls, bounds, index, count: entries.len() });
             *next += 1;
         }
         around
@@ -224,11 +225,14 @@ impl<'a> GridPair<'a> {
             let mut tail = near.tail();
             for first in (cell.start as usize..cell.end as usize).step_by(WIDTH) {
                 let balls = self.block(simd, entries, first, !of_a);
-                let block = BlockLanes::new(simd, &balls, 0.0, first);
+                let block = BlockLanes {
+                    index: u32x8::load_array(simd, indices(entries, first)),
+                    ..BlockLanes::new(simd, &balls, 0.0, 0)
+                };
                 let mask = lanes.touched_by(&block) & live_lanes(simd, cell.end as usize, first);
                 block.append_where(simd, mask, &mut tail);
             }
-            near.len = tail.len;
+            near.len = tail.close();
         }
     }
 
@@ -247,6 +251,12 @@ impl<'a> GridPair<'a> {
     }
 }
 
+/// Positions in the order of the tree of the eight entries from `first` on.
+#[inline(always)]
+fn indices(entries: &Entries, first: usize) -> [u32; WIDTH] {
+    entries.index[first..].first_chunk().copied().unwrap_or_default()
+}
+
 /// Fills `kept` with those balls of `list` that may meet a sphere of `groups`.
 #[inline(always)]
 fn keep_near<S: Simd>(simd: S, list: &Candidates, groups: &[Group], kept: &mut Candidates) {
@@ -254,12 +264,12 @@ fn keep_near<S: Simd>(simd: S, list: &Candidates, groups: &[Group], kept: &mut C
     let around = groups.iter().fold(BallBox::EMPTY, |around, group| around.union(&group.bounds));
     let bounds = BoxLanes::new(simd, &around);
     let mut tail = kept.tail();
-    for first in (0..list.len).step_by(WIDTH) {
-        let block = BlockLanes::of(simd, list, first);
-        let mask = bounds.touched_by(&block) & live_lanes(simd, list.len, first);
-        block.append_where(simd, mask, &mut tail);
+    let blocks = list.blocks();
+    for i in 0..blocks.x.len() {
+        let block = BlockLanes::of(simd, blocks, i);
+        block.append_where(simd, bounds.touched_by(&block), &mut tail);
     }
-    kept.len = tail.len;
+    kept.len = tail.close();
 }
 
 /// A box around the centres of balls, in A's frame, and their largest radius.

@@ -20,12 +20,7 @@ fn engine(engine: Engine) -> OverlapQuery {
 fn pairs(a: &InnerSphereTree, b: &InnerSphereTree, pose: &Pose3, by: Engine) -> Vec<[u32; 2]> {
     struct Keep(Vec<[u32; 2]>);
     impl pairs::PairSink for Keep {
-        fn take<S: fearless_simd::Simd>(
-            &mut self,
-            _: S,
-            pairs: &pairs::PairBuffer,
-            _: &[crate::tree::BallBlock],
-        ) {
+        fn take<S: fearless_simd::Simd>(&mut self, _: S, pairs: &pairs::PairBuffer) {
             self.0.extend((0..pairs.len()).map(|i| [pairs.b[i], pairs.a[i]]));
         }
     }
@@ -42,10 +37,6 @@ fn pairs(a: &InnerSphereTree, b: &InnerSphereTree, pose: &Pose3, by: Engine) -> 
             for task in tasks {
                 let scratch = &mut workspace.grid;
                 dispatch!(simd_level(), simd => grids.find_pairs(simd, &task, scratch, &mut keep));
-            }
-            for [in_b, in_a] in &mut keep.0 {
-                *in_b = grids.b.entries.index[*in_b as usize];
-                *in_a = grids.a.entries.index[*in_a as usize];
             }
         }
     }

@@ -3,7 +3,7 @@
 //! Here and wherever vectors are computed with: no vector passes through a closure. The compiler may make a function of it,
 //! without the instruction set that was chosen, and then every operation on the vector is a call.
 
-use super::workspace::{Candidates, Tail};
+use super::workspace::{Blocks, Tail};
 use crate::tree::{BallBlock, WIDTH};
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
 
@@ -51,14 +51,15 @@ impl<S: Simd> BlockLanes<S> {
         }
     }
 
+    /// Number `block` of `blocks`.
     #[inline(always)]
-    pub(super) fn of(simd: S, list: &Candidates, first: usize) -> Self {
+    pub(super) fn of(simd: S, blocks: Blocks, block: usize) -> Self {
         Self {
-            x: load(simd, &list.x, first),
-            y: load(simd, &list.y, first),
-            z: load(simd, &list.z, first),
-            radius: load(simd, &list.radius, first),
-            index: u32x8::from_slice(simd, &list.index[first..first + WIDTH]),
+            x: f32x8::load_array(simd, blocks.x[block]),
+            y: f32x8::load_array(simd, blocks.y[block]),
+            z: f32x8::load_array(simd, blocks.z[block]),
+            radius: f32x8::load_array(simd, blocks.radius[block]),
+            index: u32x8::load_array(simd, blocks.index[block]),
         }
     }
 

@@ -1,7 +1,9 @@
 //! The lens of eight pairs at once: [`crate::lens`] in f32.
 
+use super::leaf_lanes::LeafLanes;
 use super::pairs::PairBuffer;
-use crate::tree::{BallBlock, WIDTH};
+use super::relative_pose::RelativePose;
+use crate::tree::TreeData;
 use core::f32::consts::PI;
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 
@@ -61,32 +63,23 @@ pub(super) struct PairLanes<S: Simd> {
 }
 
 impl<S: Simd> PairLanes<S> {
-    /// The block of `pairs` that begins at `first`. `a` are A's leaves without their skin, `placed` B's in A's frame.
+    /// The block of `pairs` that begins at `first`, and the outward normals of A's spheres and of B's, each in the frame of its
+    /// solid.
     #[inline(always)]
     pub(super) fn gather(
         simd: S,
         pairs: &PairBuffer,
         first: usize,
-        (a, skin_a): (&[BallBlock], f32),
-        placed: &[BallBlock],
-    ) -> Self {
-        let (center_a, radius_a) = balls(simd, a, &pairs.a[first..first + WIDTH]);
-        let (center_b, radius_b) = balls(simd, placed, &pairs.b[first..first + WIDTH]);
-        Self { center_a, center_b, radius_a: radius_a + skin_a, radius_b, live: pairs.live(simd, first) }
+        (a, b): (&TreeData, &TreeData),
+        pose: &RelativePose,
+    ) -> (Self, [Lanes3<S>; 2]) {
+        let of_a = LeafLanes::gather(simd, &a.leaves, pairs.a_at(first));
+        let of_b = LeafLanes::gather(simd, &b.leaves, pairs.b_at(first));
+        let (center_b, radius_b) = pose.place_lanes(of_b.center, of_b.radius);
+        let radius_a = of_a.radius + pose.skin_a;
+        let live = pairs.live(simd, first);
+        (Self { center_a: of_a.center, center_b, radius_a, radius_b, live }, [of_a.normal, of_b.normal])
     }
-}
-
-/// Centres and radii of the balls at the eight positions of `index`.
-#[inline(always)]
-fn balls<S: Simd>(simd: S, blocks: &[BallBlock], index: &[u32]) -> (Lanes3<S>, f32x8<S>) {
-    let block: [&BallBlock; WIDTH] = core::array::from_fn(|i| &blocks[index[i] as usize / WIDTH]);
-    let lane: [usize; WIDTH] = core::array::from_fn(|i| index[i] as usize % WIDTH);
-    let center = Lanes3 {
-        x: f32x8::from_fn(simd, |i| block[i].x[lane[i]]),
-        y: f32x8::from_fn(simd, |i| block[i].y[lane[i]]),
-        z: f32x8::from_fn(simd, |i| block[i].z[lane[i]]),
-    };
-    (center, f32x8::from_fn(simd, |i| block[i].radius[lane[i]]))
 }
 
 /// Eight lenses, in A's frame; all zero in lanes without a pair.

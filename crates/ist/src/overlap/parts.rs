@@ -49,8 +49,7 @@ pub(crate) fn with_lenses(
     let mut lenses = core::mem::take(&mut workspace.lenses);
     let mut scratch = core::mem::take(&mut workspace.patches);
     lenses.lenses.clear();
-    let leaves_a = (&*trees.0.levels[0].blocks, pose.skin_a);
-    let mut sink = LensSink { lenses: &mut lenses, leaves_a };
+    let mut sink = LensSink { lenses: &mut lenses, trees, pose: &pose };
     for_each_pair(trees, &pose, workspace, &mut sink);
     let cloud = LensCloud { lenses: &lenses.lenses, trees: [trees.0, trees.1], pose: &pose, scale: a.unit() };
     act(cloud, &mut scratch);
@@ -76,7 +75,7 @@ impl LensCloud<'_> {
     /// Adds what lens `i` contributes.
     pub(crate) fn add(&self, i: usize, sums: &mut PartSums) {
         let (lens, [a, b]) = (&self.lenses[i], self.trees);
-        let normal_b = self.pose.rotation * b.normals[lens.spheres[1] as usize];
+        let normal_b = self.pose.rotation * b.leaves[lens.spheres[1] as usize].normal();
         let (volume, point) = (f64::from(lens.volume), lens.centroid.as_dvec3());
         let totals = &mut sums.totals;
         totals.pairs += 1;
@@ -84,7 +83,7 @@ impl LensCloud<'_> {
         totals.moment += volume * point;
         // All points of the axis are as good for the torque, and the centroid is one.
         totals.gradient.add_force(lens.axis.as_dvec3() * f64::from(lens.area), point);
-        let outward = a.normals[lens.spheres[0] as usize] - normal_b;
+        let outward = a.leaves[lens.spheres[0] as usize].normal() - normal_b;
         totals.outward.add_force(outward.as_dvec3() * volume, point);
         sums.area += f64::from(lens.area);
         let (lower, upper) = self.bounds(lens);

@@ -8,7 +8,7 @@
 use super::lens_lanes::{LensLanes, PairLanes};
 use super::pairs::{PairBuffer, PairSink};
 use super::relative_pose::RelativePose;
-use crate::tree::{BallBlock, TreeData, WIDTH};
+use crate::tree::{TreeData, WIDTH};
 use alloc::vec::Vec;
 use fearless_simd::Simd;
 use glam::Vec3;
@@ -93,7 +93,8 @@ impl Lenses {
             let gradient = sum_a.gradient + sum_b.gradient;
             let area = (sum_a.area + sum_b.area).max(f32::MIN_POSITIVE);
             let weight = smooth_step(gradient.length() / (area * SIGNIFICANT));
-            let outward = (a.normals[in_a] - pose.rotation * b.normals[in_b]).normalize_or_zero();
+            let outward =
+                (a.leaves[in_a].normal() - pose.rotation * b.leaves[in_b].normal()).normalize_or_zero();
             let blend = weight * direction(gradient).unwrap_or(Vec3::ZERO) + (1.0 - weight) * outward;
             ContactSample {
                 point: lens.centroid * scale,
@@ -109,15 +110,15 @@ impl Lenses {
 /// Keeps the lens of every pair.
 pub(super) struct LensSink<'a> {
     pub(super) lenses: &'a mut Lenses,
-    /// A's leaves, and the skin on them.
-    pub(super) leaves_a: (&'a [BallBlock], f32),
+    pub(super) trees: (&'a TreeData, &'a TreeData),
+    pub(super) pose: &'a RelativePose,
 }
 
 impl PairSink for LensSink<'_> {
     #[inline(always)]
-    fn take<S: Simd>(&mut self, simd: S, pairs: &PairBuffer, placed: &[BallBlock]) {
+    fn take<S: Simd>(&mut self, simd: S, pairs: &PairBuffer) {
         for first in (0..pairs.len()).step_by(WIDTH) {
-            let balls = PairLanes::gather(simd, pairs, first, self.leaves_a, placed);
+            let (balls, _) = PairLanes::gather(simd, pairs, first, self.trees, self.pose);
             let lens = LensLanes::new(simd, &balls);
             for lane in 0..WIDTH.min(pairs.len() - first) {
                 let volume = lens.volume[lane];

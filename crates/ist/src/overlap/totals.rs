@@ -4,9 +4,9 @@ use super::lens_lanes::{Lanes3, LensLanes, PairLanes};
 use super::pairs::{PairBuffer, PairSink};
 use super::relative_pose::RelativePose;
 use super::stiffness::{StiffnessLanes, StiffnessSum};
-use crate::tree::{BallBlock, TreeData, WIDTH};
+use crate::tree::{TreeData, WIDTH};
 use fearless_simd::{Simd, f32x8, prelude::*, u32x8};
-use glam::{DVec3, Mat3, Vec3};
+use glam::{DVec3, Mat3};
 
 /// Sum of forces and of their torques about A's origin, in A's frame.
 #[derive(Clone, Copy, Debug, Default)]
@@ -56,12 +56,12 @@ impl<'a, const STIFFNESS: bool> TotalsSink<'a, STIFFNESS> {
     }
 
     /// Whether the inner balls of one of the pairs meet. Those of no other pair do: volume balls contain them.
-    fn inner_balls_meet(&self, count: usize, pairs: &impl PairSource) -> bool {
+    fn inner_balls_meet(&self, pairs: &PairBuffer) -> bool {
         let ball = |tree: &TreeData, index: u32| {
             let index = index as usize;
             (tree.inner_center[index], tree.inner_radius[index])
         };
-        (0..count).any(|i| {
+        (0..pairs.len()).any(|i| {
             let [in_a, in_b] = pairs.spheres(i);
             let (center_a, radius_a) = ball(self.a, in_a);
             let (center_b, radius_b) = ball(self.b, in_b);
@@ -71,64 +71,16 @@ impl<'a, const STIFFNESS: bool> TotalsSink<'a, STIFFNESS> {
     }
 }
 
-/// What there is to know about a batch of pairs.
-pub(super) trait PairSource {
-    /// The balls of the block of pairs that begins at `first`.
-    fn balls<S: Simd>(&self, simd: S, first: usize) -> PairLanes<S>;
-    /// The outward normals of A's spheres and of B's, each in the frame of its solid.
-    fn normals<S: Simd>(&self, simd: S, first: usize) -> (Lanes3<S>, Lanes3<S>);
-    /// Positions in the orders of the trees.
-    fn spheres(&self, pair: usize) -> [u32; 2];
-}
-
-/// Pairs of leaves.
-struct LeafSource<'a> {
-    pairs: &'a PairBuffer,
-    /// A's leaves without their skin, and the skin.
-    leaves_a: (&'a [BallBlock], f32),
-    /// B's leaves in A's frame.
-    placed: &'a [BallBlock],
-    normals: [&'a [Vec3]; 2],
-}
-
-impl PairSource for LeafSource<'_> {
-    #[inline(always)]
-    fn balls<S: Simd>(&self, simd: S, first: usize) -> PairLanes<S> {
-        PairLanes::gather(simd, self.pairs, first, self.leaves_a, self.placed)
-    }
-
-    #[inline(always)]
-    fn normals<S: Simd>(&self, simd: S, first: usize) -> (Lanes3<S>, Lanes3<S>) {
-        let [a, b] = self.normals;
-        let block = first..first + WIDTH;
-        (gather(simd, a, &self.pairs.a[block.clone()]), gather(simd, b, &self.pairs.b[block]))
-    }
-
-    fn spheres(&self, pair: usize) -> [u32; 2] {
-        [self.pairs.a[pair], self.pairs.b[pair]]
-    }
-}
-
 impl<const STIFFNESS: bool> PairSink for TotalsSink<'_, STIFFNESS> {
     #[inline(always)]
-    fn take<S: Simd>(&mut self, simd: S, pairs: &PairBuffer, placed: &[BallBlock]) {
-        let leaves_a = (&*self.a.levels[0].blocks, self.pose.skin_a);
-        let normals = [&*self.a.normals, &*self.b.normals];
-        self.add(simd, pairs.len(), &LeafSource { pairs, leaves_a, placed, normals });
-    }
-}
-
-impl<const STIFFNESS: bool> TotalsSink<'_, STIFFNESS> {
-    /// Adds `count` pairs, at least one.
-    #[inline(always)]
-    pub(super) fn add<S: Simd>(&mut self, simd: S, count: usize, pairs: &impl PairSource) {
+    fn take<S: Simd>(&mut self, simd: S, pairs: &PairBuffer) {
         let (mut volume, mut moment) = (f32x8::splat(simd, 0.0), Lanes3::zero(simd));
         let mut gradient = WrenchLanes::zero(simd);
         let mut outward = gradient;
         let mut stiffness = StiffnessLanes::zero(simd);
         let mut deepest = (f32x8::splat(simd, 0.0), u32x8::splat(simd, 0));
-        for first in (0..count).step_by(WIDTH) {
-            let balls = pairs.balls(simd, first);
+        for first in (0..pairs.len()).step_by(WIDTH) {
+            let (balls, [of_a, of_b]) = PairLanes::gather(simd, pairs, first, (self.a, self.b), self.pose);
             let lens = LensLanes::new(simd, &balls);
             volume += lens.volume;
             moment = moment.plus(lens.moment);
@@ -139,12 +91,11 @@ impl<const STIFFNESS: bool> TotalsSink<'_, STIFFNESS> {
             let deeper = lens.depth.simd_gt(deepest.0);
             deepest.0 = deeper.select(lens.depth, deepest.0);
             deepest.1 = deeper.select(u32x8::splat(simd, first as u32), deepest.1);
-            let (of_a, of_b) = pairs.normals(simd, first);
             outward.add(of_a.minus(of_b.rotate(&self.pose.rotation)), lens.volume, lens.moment);
         }
-        let meet = self.totals.inner_balls_meet || self.inner_balls_meet(count, pairs);
+        let meet = self.totals.inner_balls_meet || self.inner_balls_meet(pairs);
         let totals = &mut self.totals;
-        totals.pairs += count as u32;
+        totals.pairs += pairs.len() as u32;
         totals.volume += sum(volume);
         totals.moment += moment.sum();
         gradient.add_to(&mut totals.gradient);
@@ -188,7 +139,7 @@ impl WrenchSum {
 
 impl Deepest {
     /// Takes the deepest of eight pairs if it is deeper; lane i of `block` is where the block of pair i begins.
-    fn raise(&mut self, depth: [f32; WIDTH], block: [u32; WIDTH], pairs: &impl PairSource) {
+    fn raise(&mut self, depth: [f32; WIDTH], block: [u32; WIDTH], pairs: &PairBuffer) {
         for lane in 0..WIDTH {
             if depth[lane] > self.depth {
                 *self = Self { depth: depth[lane], spheres: pairs.spheres(block[lane] as usize + lane) };
@@ -221,17 +172,6 @@ impl<S: Simd> WrenchLanes<S> {
     fn add_to(self, sum: &mut WrenchSum) {
         sum.force += self.force.sum();
         sum.torque += self.torque.sum();
-    }
-}
-
-/// The normals at the eight positions of `index`.
-#[inline(always)]
-pub(super) fn gather<S: Simd>(simd: S, normals: &[Vec3], index: &[u32]) -> Lanes3<S> {
-    let normal: [&Vec3; WIDTH] = core::array::from_fn(|lane| &normals[index[lane] as usize]);
-    Lanes3 {
-        x: f32x8::from_fn(simd, |lane| normal[lane].x),
-        y: f32x8::from_fn(simd, |lane| normal[lane].y),
-        z: f32x8::from_fn(simd, |lane| normal[lane].z),
     }
 }
 

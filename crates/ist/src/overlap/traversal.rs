@@ -4,13 +4,12 @@
 //! meets, on B's own level. A list is filtered by the ball above before its eight children filter it each, so
 //! that most tests run on dense arrays. Both trees descend in step; the taller one starts alone.
 
-use super::lanes::{Ball, BlockLanes, live_lanes};
+use super::lanes::{Ball, BlockLanes};
 use super::pairs::{Lanes, PairBuffer, PairSink};
 use super::relative_pose::RelativePose;
-use super::workspace::{Candidates, OverlapWorkspace, Siblings, TraversalScratch};
+use super::workspace::{Blocks, Candidates, OverlapWorkspace, Siblings, TraversalScratch};
 use crate::simd_level::simd_level;
-use crate::tree::{BallBlock, TreeData, WIDTH};
-use core::ops::Range;
+use crate::tree::{TreeData, WIDTH};
 use fearless_simd::{Simd, dispatch, prelude::*};
 
 /// Takes the leaves of B a block at a time, each with the leaves of A that are near it.
@@ -23,7 +22,6 @@ pub(super) trait BlockVisitor {
 pub(super) struct PairFinder<'a, K> {
     pub(super) b: &'a TreeData,
     pub(super) pose: &'a RelativePose,
-    pub(super) placed: &'a mut [BallBlock],
     pub(super) pairs: &'a mut PairBuffer,
     pub(super) sink: &'a mut K,
 }
@@ -31,16 +29,16 @@ pub(super) struct PairFinder<'a, K> {
 impl<K: PairSink> BlockVisitor for PairFinder<'_, K> {
     #[inline(always)]
     fn visit<S: Simd>(&mut self, simd: S, block: usize, near: &Candidates) {
-        self.pair(simd, block, (near, 0..near.len));
+        self.pair(simd, block, near.blocks());
     }
 }
 
 impl<K: PairSink> PairFinder<'_, K> {
-    /// The pairs of block `block` of B's leaves with the leaves of A in a part of a list.
+    /// The pairs of block `block` of B's leaves with leaves of A.
     #[inline(always)]
-    pub(super) fn pair<S: Simd>(&mut self, simd: S, block: usize, near: (&Candidates, Range<usize>)) {
-        self.placed[block] = self.pose.place(simd, &self.b.levels[0].blocks[block]);
-        self.pairs.append(simd, near, &Lanes::block_of_b(self.placed, block), (self.placed, self.sink));
+    pub(super) fn pair<S: Simd>(&mut self, simd: S, block: usize, near: Blocks) {
+        let balls = self.pose.place(simd, &self.b.levels[0].blocks[block]);
+        self.pairs.append(simd, near, &Lanes::block_of_b(&balls, block), self.sink);
     }
 }
 
@@ -63,11 +61,11 @@ fn find_pairs<S: Simd>(
     workspace: &mut OverlapWorkspace,
     sink: &mut impl PairSink,
 ) {
-    workspace.fit_leaves(trees.1);
-    let OverlapWorkspace { traversal, placed, pairs, .. } = workspace;
-    let mut finder = PairFinder { b: trees.1, pose, placed, pairs, sink };
+    let OverlapWorkspace { traversal, pairs, .. } = workspace;
+    pairs.clear();
+    let mut finder = PairFinder { b: trees.1, pose, pairs, sink };
     for_each_block(simd, trees, pose, traversal, &mut finder);
-    finder.pairs.flush(simd, finder.placed, finder.sink);
+    finder.pairs.flush(simd, finder.sink);
 }
 
 /// Hands every block of B's leaves that has a leaf of A near it to `visitor`, in B's order.
@@ -141,10 +139,10 @@ fn descend_alone<S: Simd>(
 ) {
     spare.len = 0;
     list.len = 0;
-    let root = a.block(simd, a.data.height(), 0);
+    let root = BlockLanes::new(simd, &a.data.root().blocks[0], a.skin, 0);
     let mut tail = list.tail();
     root.append_where(simd, root.touches(ball), &mut tail);
-    list.len = tail.len;
+    list.len = tail.close();
     for level in (down_to..a.data.height()).rev() {
         core::mem::swap(spare, list);
         list.len = 0;
@@ -159,23 +157,16 @@ pub(super) struct Skinned<'a> {
     pub(super) skin: f32,
 }
 
-impl Skinned<'_> {
-    #[inline(always)]
-    fn block<S: Simd>(self, simd: S, level: usize, block: usize) -> BlockLanes<S> {
-        BlockLanes::new(simd, &self.data.levels[level].blocks[block], self.skin, block * WIDTH)
-    }
-}
-
 /// Appends to `kept` the balls of `list` that meet `ball`.
 #[inline(always)]
 pub(super) fn keep_touching<S: Simd>(simd: S, list: &Candidates, ball: &Ball<S>, kept: &mut Candidates) {
     let mut tail = kept.tail();
-    for first in (0..list.len).step_by(WIDTH) {
-        let block = BlockLanes::of(simd, list, first);
-        let mask = block.touches(ball) & live_lanes(simd, list.len, first);
-        block.append_where(simd, mask, &mut tail);
+    let blocks = list.blocks();
+    for i in 0..blocks.x.len() {
+        let block = BlockLanes::of(simd, blocks, i);
+        block.append_where(simd, block.touches(ball), &mut tail);
     }
-    kept.len = tail.len;
+    kept.len = tail.close();
 }
 
 /// The lists of two levels, the second just below the first.
@@ -190,10 +181,10 @@ fn lists(children: &mut [Candidates], [level, below]: [usize; 2]) -> [&mut Candi
 #[inline(always)]
 fn number_touching<S: Simd>(simd: S, list: &Candidates, ball: &Ball<S>, kept: &mut Candidates) {
     let mut tail = kept.tail();
-    for first in (0..list.len).step_by(WIDTH) {
-        let block = BlockLanes::of(simd, list, first);
-        let mask = block.touches(ball) & live_lanes(simd, list.len, first);
-        block.append_index_where(simd, mask, &mut tail);
+    let blocks = list.blocks();
+    for i in 0..blocks.x.len() {
+        let block = BlockLanes::of(simd, blocks, i);
+        block.append_index_where(simd, block.touches(ball), &mut tail);
     }
     kept.len = tail.len;
 }
@@ -208,12 +199,14 @@ pub(super) fn expand<S: Simd>(
     kept: &mut Candidates,
 ) {
     let mut tail = kept.tail();
+    let blocks = &*a.data.levels[level].blocks;
     for parent in parents {
-        let block = a.block(simd, level, *parent as usize);
+        let parent = *parent as usize;
+        let block = BlockLanes::new(simd, &blocks[parent], a.skin, parent * WIDTH);
         let mask = block.touches(ball);
         if mask.any_true() {
             block.append_where(simd, mask, &mut tail);
         }
     }
-    kept.len = tail.len;
+    kept.len = tail.close();
 }

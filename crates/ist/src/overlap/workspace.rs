@@ -13,8 +13,6 @@ use alloc::vec::Vec;
 #[derive(Clone, Debug, Default)]
 pub struct OverlapWorkspace {
     pub(super) traversal: TraversalScratch,
-    /// Leaves of B in A's frame, as far as they were needed.
-    pub(super) placed: Vec<BallBlock>,
     pub(super) pairs: PairBuffer,
     pub(super) lenses: Lenses,
     pub(super) grid: GridScratch,
@@ -43,6 +41,18 @@ pub(super) struct Candidates {
     pub(super) radius: Vec<f32>,
     pub(super) index: Vec<u32>,
     pub(super) len: usize,
+}
+
+/// Balls of a list in blocks: what fills up the last block is far from everything.
+///
+/// All of its arrays are as long as the first, which the compiler sees where they are made: it does not look once more.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Blocks<'a> {
+    pub(super) x: &'a [[f32; WIDTH]],
+    pub(super) y: &'a [[f32; WIDTH]],
+    pub(super) z: &'a [[f32; WIDTH]],
+    pub(super) radius: &'a [[f32; WIDTH]],
+    pub(super) index: &'a [[u32; WIDTH]],
 }
 
 /// Where balls are appended to a list. Its parts are borrowed one by one: were they reached through the list, every store of a
@@ -89,22 +99,12 @@ impl TraversalScratch {
     }
 }
 
-impl OverlapWorkspace {
-    /// Makes room for the leaves of `b` in A's frame.
-    pub(super) fn fit_leaves(&mut self, b: &TreeData) {
-        if self.placed.len() < b.levels[0].blocks.len() {
-            self.placed.resize(b.levels[0].blocks.len(), BallBlock::FAR);
-        }
-        self.pairs.clear();
-    }
-}
-
 impl Candidates {
     pub(super) fn clear(&mut self) {
         self.len = 0;
     }
 
-    /// Where to append; [`Self::len`] is to be set to that of the tail afterwards.
+    /// Where to append; [`Self::len`] is to be set afterwards, to what [`Tail::close`] gives.
     #[inline(always)]
     pub(super) fn tail(&mut self) -> Tail<'_> {
         let room = self.x.len();
@@ -115,6 +115,25 @@ impl Candidates {
             radius: &mut self.radius[..room],
             index: &mut self.index[..room],
             len: self.len,
+        }
+    }
+
+    /// All of its balls.
+    #[inline(always)]
+    pub(super) fn blocks(&self) -> Blocks<'_> {
+        self.blocks_from(0, self.len)
+    }
+
+    /// `len` of its balls from `first` on, with which a call of [`Tail::close`] ended.
+    #[inline(always)]
+    pub(super) fn blocks_from(&self, first: usize, len: usize) -> Blocks<'_> {
+        let count = len.div_ceil(WIDTH);
+        Blocks {
+            x: blocks_of(&self.x, first, count),
+            y: blocks_of(&self.y, first, count),
+            z: blocks_of(&self.z, first, count),
+            radius: blocks_of(&self.radius, first, count),
+            index: blocks_of(&self.index, first, count),
         }
     }
 
@@ -147,4 +166,19 @@ impl Candidates {
         }
         self.index.resize(room, 0);
     }
+}
+
+impl Tail<'_> {
+    /// Fills up the last block with balls far from everything. The length of the list.
+    #[inline(always)]
+    pub(super) fn close(self) -> usize {
+        self.x[self.len..self.len + WIDTH].copy_from_slice(&BallBlock::FAR.x);
+        self.len
+    }
+}
+
+/// `count` blocks of `array` from its number `first` on.
+#[inline(always)]
+fn blocks_of<T>(array: &[T], first: usize, count: usize) -> &[[T; WIDTH]] {
+    &array[first..].as_chunks().0[..count]
 }

@@ -49,7 +49,7 @@ impl InnerSphereTree {
             visits: usize::MAX,
         };
         let [a, b] = nearest_pair(sides, limits, workspace)?.pair;
-        let fallback = self.data().normals[a].as_dvec3();
+        let fallback = self.data().leaves[a].normal().as_dvec3();
         let pair = BallPair::new(exact_ball(self, balls, a), placement.exact_ball(other, balls, b), fallback);
         Some(BallContact {
             gap: pair.gap as f32,

@@ -111,7 +111,7 @@ impl InnerSphereTree {
         let sides = [Side::fixed(self, kind), Side::placed(other, kind, self, &placement)];
         let found = nearest_pair(sides, limits, workspace)?;
         let [a, b] = found.pair;
-        let fallback = self.data().normals[a].as_dvec3();
+        let fallback = self.data().leaves[a].normal().as_dvec3();
         let pair = BallPair::new(exact_ball(self, kind, a), placement.exact_ball(other, kind, b), fallback);
         let [point_a, point_b] = pair.witnesses().map(|point| point.as_vec3());
         let distance = pair.gap.max(0.0) as f32;

@@ -118,6 +118,6 @@ impl<'a> Snapshot<'a> {
     }
 
     pub(super) fn normal(&self, leaf: usize) -> DVec3 {
-        self.rotation * self.tree.data().normals[leaf].as_dvec3()
+        self.rotation * self.tree.data().leaves[leaf].normal().as_dvec3()
     }
 }

@@ -38,7 +38,7 @@ impl InnerSphereTree {
     pub fn nearest_sphere(&self, point: Vec3, balls: BallKind) -> Option<NearestSphere> {
         let nearest = self.nearest_position(point, balls)?;
         let (center, radius) = exact_ball(self, balls, nearest);
-        let fallback = self.data().normals[nearest].as_dvec3();
+        let fallback = self.data().leaves[nearest].normal().as_dvec3();
         let pair = BallPair::new((center, radius), (point.as_dvec3(), 0.0), fallback);
         Some(NearestSphere {
             sphere: self.packing_index(nearest),

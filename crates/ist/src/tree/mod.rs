@@ -9,6 +9,7 @@ mod builder;
 #[cfg(feature = "std")]
 mod covering_depth;
 mod enclosing_ball;
+mod leaf;
 mod levels;
 #[cfg(feature = "std")]
 mod node_sums;
@@ -19,6 +20,7 @@ use alloc::vec::Vec;
 #[cfg(feature = "std")]
 pub(crate) use covering_depth::TOLERANCE as DEPTH_TOLERANCE;
 use glam::Vec3;
+pub(crate) use leaf::Leaf;
 pub(crate) use levels::{BallBlock, Balls};
 #[cfg(feature = "std")]
 pub(crate) use node_sums::{DepthAt, NodeSum, NodeSums};
@@ -29,7 +31,7 @@ pub(crate) const WIDTH: usize = 8;
 /// A hierarchy over the spheres of a packing; the solid that queries run against.
 ///
 /// Cloning and scaling are O(1): the hierarchy is shared. Building costs O(n log n) time, and a tree takes
-/// about 51 bytes per sphere, and 5 more once a query within a budget was made.
+/// about 71 bytes per sphere, and 5 more once a query within a budget was made.
 #[derive(Clone, Debug)]
 pub struct InnerSphereTree {
     data: Arc<TreeData>,
@@ -50,8 +52,8 @@ pub(crate) struct TreeData {
     pub(crate) inner_center: Vec<Vec3>,
     /// Their radii, in the order of level 0.
     pub(crate) inner_radius: Vec<f32>,
-    /// Outward normals, in the order of level 0.
-    pub(crate) normals: Vec<Vec3>,
+    /// Level 0 once more, a sphere at a time, with the outward normals.
+    pub(crate) leaves: Vec<Leaf>,
     /// Index in the packing of each sphere of level 0.
     pub(crate) packing_index: Vec<u32>,
     /// Sums over the spheres below each node, once a query within a budget has needed them.
@@ -74,15 +76,15 @@ impl InnerSphereTree {
         let order = builder::clustered_order(&balls);
         let sorted = || order.iter().map(|&i| &spheres[i as usize]);
         let levels = builder::wrapped_levels(order.iter().map(|&i| balls[i as usize]));
-        let normals: Vec<Vec3> = sorted().map(|s| s.normal).collect();
+        let leaves = sorted().enumerate().map(|(i, s)| Leaf::new(levels[0].get(i), s.normal)).collect();
         let data = TreeData {
             unit,
             #[cfg(feature = "std")]
             sums: std::sync::OnceLock::new(),
+            leaves,
             levels,
             inner_center: sorted().map(|s| s.center / unit).collect(),
             inner_radius: sorted().map(|s| s.radius / unit).collect(),
-            normals,
             solid: *packing.solid(),
             packing_index: order,
         };
@@ -173,7 +175,7 @@ impl InnerSphereTree {
     pub fn inner_balls(&self) -> impl ExactSizeIterator<Item = (Vec3, f32, Vec3)> + '_ {
         (0..self.len()).map(|i| {
             let center = self.data.inner_center[i];
-            (center * self.unit(), self.data.inner_radius[i] * self.unit(), self.data.normals[i])
+            (center * self.unit(), self.data.inner_radius[i] * self.unit(), self.data.leaves[i].normal())
         })
     }
 
@@ -204,7 +206,7 @@ impl TreeData {
     /// Sums over the spheres below each node; computed when they are asked for first.
     #[cfg(feature = "std")]
     pub(crate) fn sums(&self) -> &NodeSums {
-        self.sums.get_or_init(|| NodeSums::new(&self.levels, &self.normals))
+        self.sums.get_or_init(|| NodeSums::new(&self.levels, &self.leaves))
     }
 
     /// Whether these are there already.

@@ -2,7 +2,7 @@
 //! before its spheres are looked at.
 
 use super::covering_depth::covering_depths;
-use super::{Balls, WIDTH};
+use super::{Balls, Leaf, WIDTH};
 use alloc::vec::Vec;
 use core::f32::consts::PI;
 use glam::{DVec3, Vec3};
@@ -57,11 +57,10 @@ impl NodeSum {
 }
 
 impl NodeSums {
-    /// Of the tree with these levels, whose leaves have these outward normals.
-    pub(super) fn new(levels: &[Balls], normals: &[Vec3]) -> Self {
-        let leaves = &levels[0];
+    /// Of the tree with these levels and leaves.
+    pub(super) fn new(levels: &[Balls], leaves: &[Leaf]) -> Self {
         let count = leaves.len();
-        let radius = |leaf: usize| leaves.get(leaf).1;
+        let radius = |leaf: usize| levels[0].get(leaf).1;
         let mut radii: Vec<f32> = (0..count).map(radius).collect();
         let (_, median, _) = radii.select_nth_unstable_by(count / 2, f32::total_cmp);
         let skins = SKINS.map(|skin| skin * *median);
@@ -76,7 +75,7 @@ impl NodeSums {
                         let below = node * span..((node + 1) * span).min(count);
                         let depth = |skin: usize| depths[skin][node] as f32;
                         let depth = core::array::from_fn(depth);
-                        NodeSum { depth, ..sum_of(below.map(|leaf| (radius(leaf), normals[leaf]))) }
+                        NodeSum { depth, ..sum_of(below.map(|leaf| (radius(leaf), leaves[leaf].normal()))) }
                     })
                     .collect(),
             );

@@ -76,7 +76,7 @@ pub(super) struct NodeFigures {
 impl Side<'_> {
     #[inline(always)]
     pub(super) fn figures(&self, level: usize, index: usize) -> NodeFigures {
-        let leaf = || (self.tree.levels[0].get(index).1, self.tree.normals[index]);
+        let leaf = || (self.tree.levels[0].get(index).1, self.tree.leaves[index].normal());
         let node: NodeSum = self.sums.get(level, index, leaf);
         NodeFigures {
             volume: node.volume(self.scale, self.skin),

@@ -46,7 +46,7 @@ pub(super) fn search<S: Simd>(
     meter: &mut Meter,
     workspace: &mut TimeCriticalWorkspace,
 ) -> Found {
-    workspace.clear(query.b.tree.levels[0].blocks.len());
+    workspace.clear();
     let resolved = Resolved::new((query.a.tree, query.b.tree), query.pose);
     let mut search = Search { query, meter, workspace, resolved };
     let (mut lower, mut upper) = (0.0_f64, f64::INFINITY);
@@ -160,9 +160,9 @@ impl Search<'_, '_> {
     /// Resolves the pairs of leaves that wait, and takes the parts that they make out of the open ones.
     #[inline(always)]
     fn settle<S: Simd>(&mut self, simd: S) {
-        let TimeCriticalWorkspace { frontier, leaf_pairs, placed, pending, .. } = &mut *self.workspace;
+        let TimeCriticalWorkspace { frontier, leaf_pairs, pending, .. } = &mut *self.workspace;
         let blocks = leaf_pairs.len().div_ceil(WIDTH);
-        leaf_pairs.flush(simd, placed, &mut self.resolved);
+        leaf_pairs.flush(simd, &mut self.resolved);
         for part in pending.drain(..) {
             frontier.sums.subtract(&part);
         }
@@ -180,21 +180,19 @@ impl Search<'_, '_> {
         nodes_b: Range<usize>,
     ) -> bool {
         let query = self.query;
-        let TimeCriticalWorkspace { frontier, children_a, near, placed, leaf_pairs, .. } =
-            &mut *self.workspace;
+        let TimeCriticalWorkspace { frontier, children_a, near, leaf_pairs, .. } = &mut *self.workspace;
         let block = nodes_b.start / WIDTH;
         let mut balls = query.pose.place(simd, &query.b.tree.levels[level_b].blocks[block]);
         let tests = children_a.len.div_ceil(WIDTH);
         if level_a == 0 && level_b == 0 {
-            placed[block] = balls;
             let lone = lone_ball(&balls, nodes_b.start % WIDTH);
             let lanes = if nodes_b.len() == 1 {
                 Lanes { balls: &lone, index: [nodes_b.start as u32; WIDTH], count: 1, of_a: false }
             } else {
-                Lanes::block_of_b(placed, block)
+                Lanes::block_of_b(&balls, block)
             };
             let waiting = leaf_pairs.len() + self.resolved.totals.pairs as usize;
-            leaf_pairs.append(simd, (children_a, 0..children_a.len), &lanes, (placed, &mut self.resolved));
+            leaf_pairs.append(simd, children_a.blocks(), &lanes, &mut self.resolved);
             let found = leaf_pairs.len() + self.resolved.totals.pairs as usize - waiting;
             return !self.meter.work(tests * lanes.count + found);
         }
@@ -254,4 +252,5 @@ fn copy_nodes(query: &Query, level: usize, nodes: &Candidates, balls: &mut Candi
         balls.index[at] = *index;
     }
     balls.len = nodes.len;
+    balls.len = balls.tail().close();
 }

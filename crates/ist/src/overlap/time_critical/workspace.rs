@@ -5,7 +5,7 @@ use super::super::workspace::Candidates;
 use super::bounds::ROW;
 use super::frontier::Frontier;
 use super::row::Part;
-use crate::tree::{BallBlock, WIDTH};
+use crate::tree::WIDTH;
 use alloc::vec::Vec;
 
 /// Scratch memory of [`InnerSphereTree::overlap_within`](crate::InnerSphereTree::overlap_within); keep one per thread
@@ -22,8 +22,6 @@ pub struct TimeCriticalWorkspace {
     pub(super) children_a: Candidates,
     /// Those of `children_a` that one of B's meets.
     pub(super) near: Candidates,
-    /// Leaves of B in A's frame, as far as they were needed.
-    pub(super) placed: Vec<BallBlock>,
     /// Pairs of leaves that wait for their lenses.
     pub(super) leaf_pairs: PairBuffer,
     /// The parts that these pairs are of.
@@ -42,7 +40,6 @@ impl Default for TimeCriticalWorkspace {
             nodes_a: list(ROW),
             children_a: list(ROW * WIDTH),
             near: list(ROW * WIDTH),
-            placed: Vec::new(),
             leaf_pairs: PairBuffer::default(),
             pending: Vec::new(),
         }
@@ -53,19 +50,10 @@ impl TimeCriticalWorkspace {
     /// Allocates what queries with a tree of `spheres` spheres as the second usually need, and forgets what it holds.
     pub fn reserve(&mut self, spheres: usize) {
         self.frontier.reserve(spheres);
-        self.fit_leaves(spheres.div_ceil(WIDTH));
     }
 
-    /// Makes room for so many blocks of leaves of B in A's frame.
-    fn fit_leaves(&mut self, blocks: usize) {
-        if self.placed.len() < blocks {
-            self.placed.resize(blocks, BallBlock::FAR);
-        }
-    }
-
-    /// Makes ready for a query whose second tree has so many blocks of leaves.
-    pub(super) fn clear(&mut self, blocks: usize) {
-        self.fit_leaves(blocks);
+    /// Makes ready for a query.
+    pub(super) fn clear(&mut self) {
         self.frontier.clear();
         self.nodes_a.len = 0;
         self.children_a.len = 0;
