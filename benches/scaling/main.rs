@@ -36,9 +36,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     if !arguments.bench {
         return Ok(());
     }
-    let rows = [Row::tiles()?, Row::rabbits(arguments.large)?];
+    let rows = [Row::bars()?, Row::cubes()?, Row::rabbits(arguments.large)?];
     if arguments.criterion {
-        criterion::run(&rows[1])?;
+        criterion::run(&rows[2])?;
     }
     if !arguments.tables {
         return Ok(());
@@ -46,14 +46,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let pools = Pools::new()?;
     let mut drawn = Vec::new();
     for row in &rows {
-        for turn in TURNS {
-            let measurements = measure::measure(row, turn, &pools)?;
-            table::print(row, turn, &measurements);
-            // One plot is enough: the others differ by a factor.
-            if turn == TURNS[2] {
-                drawn.push((row, measurements));
-            }
+        let mut last = Vec::new();
+        for turn in row.turns {
+            last = measure::measure(row, *turn, &pools)?;
+            table::print(row, *turn, &last);
         }
+        // One plot is enough: the others differ by a factor.
+        drawn.push((row, last));
     }
     if let Some(path) = &arguments.svg {
         plot::draw(path, &drawn)?;

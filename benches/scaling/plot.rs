@@ -1,15 +1,15 @@
 //! The measurements as a log-log plot.
 
+use crate::Measurement;
 use crate::solids::Row;
 use crate::table::{exponent, grouped};
-use crate::{Measurement, TURNS};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use std::error::Error;
 use std::ops::Range;
 use std::path::Path;
 
-const SIZE: (u32, u32) = (1080, 470);
+const SIZE: (u32, u32) = (1500, 470);
 const SPHERES: Range<f64> = 700.0..1.5e6;
 /// Milliseconds.
 const TIMES: Range<f64> = 0.02..1000.0;
@@ -37,8 +37,9 @@ pub(crate) fn draw(path: &Path, rows: &[(&Row, Vec<Measurement>)]) -> Result<(),
 }
 
 fn draw_row(panel: &Panel, row: &Row, measurements: &[Measurement]) -> Result<(), Box<dyn Error>> {
+    let turn = row.turns.last().ok_or("a row has no turn")?;
     let mut chart = ChartBuilder::on(panel)
-        .caption(format!("A {}, {}", row.name, TURNS[2]), (FONT, 18))
+        .caption(format!("A {}, {turn}", row.name), (FONT, 14))
         .margin(12)
         .margin_right(24)
         .x_label_area_size(46)

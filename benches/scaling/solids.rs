@@ -1,10 +1,12 @@
 //! The solids that are measured: rows of growing sphere counts.
 //!
-//! Tiles: copies of one packing of a cube on a cubic lattice, which make a larger cube. Radii and shape are the same for
-//! every count, so that the row shows the growth with the count and nothing else. Rabbits: packings of one mesh, as users
-//! have them. More spheres are smaller spheres there, on more levels.
+//! Tiles are copies of one packing of a cube. In a bar, one behind the other, they have the same neighbours whatever their
+//! number, so that this row shows the growth with the count and nothing else. In a cube more of them lie inside, where
+//! spheres have more neighbours. Rabbits are packings of one mesh, as users have them: more spheres are smaller spheres
+//! there, on more levels.
 
-use crate::ALLOCATOR;
+use crate::turn::Turn;
+use crate::{ALLOCATOR, TURNS};
 use glam::{DMat3, DVec3, Vec3};
 use ist::{InnerSphere, InnerSphereTree, SolidProperties, SphereGrid, SpherePacking};
 use packer::{PackOptions, Solid, TriangleMesh, pack, provenance};
@@ -15,7 +17,7 @@ use std::path::Path;
 
 /// Spheres of one tile.
 const TILE: usize = 1_000;
-/// Tiles along each edge.
+/// Tiles along each edge of a cube; a bar has as many in all.
 const TILES: [usize; 6] = [1, 2, 3, 5, 7, 10];
 /// Spheres of the rabbits.
 const RABBITS: [usize; 5] = [1_000, 3_000, 10_000, 30_000, 100_000];
@@ -25,6 +27,8 @@ const LARGE_RABBITS: [usize; 2] = [300_000, 1_000_000];
 /// Solids of one kind.
 pub(crate) struct Row {
     pub(crate) name: &'static str,
+    /// How the two solids lie; the last is drawn.
+    pub(crate) turns: &'static [Turn],
     /// By growing number of spheres.
     pub(crate) cases: Vec<Case>,
 }
@@ -39,11 +43,14 @@ pub(crate) struct Case {
 }
 
 impl Row {
-    pub(crate) fn tiles() -> Result<Self, Box<dyn Error>> {
-        let cube = Solid::new(&cuboid(DVec3::splat(0.5)))?;
-        let tile = packing("cube", &cube, TILE)?;
-        let cases = TILES.into_iter().map(|edge| Ok(Case::new(&lattice(&tile, edge)?)));
-        Ok(Self { name: "cube of tiles", cases: cases.collect::<Result<_, Box<dyn Error>>>()? })
+    pub(crate) fn bars() -> Result<Self, Box<dyn Error>> {
+        let cases = tiled(|edge| [edge.pow(3), 1, 1])?;
+        // By an angle the ends of a long bar would leave each other.
+        Ok(Self { name: "bar of tiles", turns: &[Turn::Radii(0.2)], cases })
+    }
+
+    pub(crate) fn cubes() -> Result<Self, Box<dyn Error>> {
+        Ok(Self { name: "cube of tiles", turns: &TURNS, cases: tiled(|edge| [edge; 3])? })
     }
 
     pub(crate) fn rabbits(large: bool) -> Result<Self, Box<dyn Error>> {
@@ -51,7 +58,7 @@ impl Row {
         let large = if large { &LARGE_RABBITS[..] } else { &[] };
         let cases =
             RABBITS.iter().chain(large).map(|&count| Ok(Case::new(&packing("bunny", &solid, count)?)));
-        Ok(Self { name: "rabbit", cases: cases.collect::<Result<_, Box<dyn Error>>>()? })
+        Ok(Self { name: "rabbit", turns: &TURNS, cases: cases.collect::<Result<_, Box<dyn Error>>>()? })
     }
 }
 
@@ -75,22 +82,31 @@ fn measured<T>(build: impl FnOnce() -> T) -> (T, usize) {
     (built, change.bytes_allocated - change.bytes_deallocated)
 }
 
-/// `edge`³ copies of a packing of the cube from −½ to ½.
-fn lattice(tile: &SpherePacking, edge: usize) -> Result<SpherePacking, Box<dyn Error>> {
-    let mut spheres = Vec::with_capacity(tile.spheres().len() * edge.pow(3));
-    for i in 0..edge.pow(3) {
-        let cell = [i % edge, i / edge % edge, i / (edge * edge)];
-        let shift = Vec3::from_array(cell.map(|c| c as f32 - 0.5 * (edge as f32 - 1.0)));
+/// For each of [`TILES`] as many tiles along the axes as `sides` says.
+fn tiled(sides: impl Fn(usize) -> [usize; 3]) -> Result<Vec<Case>, Box<dyn Error>> {
+    let cube = Solid::new(&cuboid(DVec3::splat(0.5)))?;
+    let tile = packing("cube", &cube, TILE)?;
+    TILES.into_iter().map(|edge| Ok(Case::new(&lattice(&tile, sides(edge))?))).collect()
+}
+
+/// So many copies of a packing of the cube from −½ to ½ along each axis.
+fn lattice(tile: &SpherePacking, sides: [usize; 3]) -> Result<SpherePacking, Box<dyn Error>> {
+    let count = sides.iter().product();
+    let sizes = Vec3::from_array(sides.map(|side| side as f32));
+    let mut spheres = Vec::with_capacity(tile.spheres().len() * count);
+    for i in 0..count {
+        let cell = [i % sides[0], i / sides[0] % sides[1], i / (sides[0] * sides[1])];
+        let shift = Vec3::from_array(cell.map(|c| c as f32)) - 0.5 * (sizes - 1.0);
         spheres.extend(tile.spheres().iter().map(|sphere| InnerSphere {
             center: sphere.center + shift,
             cell_centroid: sphere.cell_centroid + shift,
             ..*sphere
         }));
     }
-    let edge = edge as f64;
-    // The inertia of a cube of edge s and unit density is s⁵/6 about any axis through its centroid.
-    let unit_inertia = DMat3::from_diagonal(DVec3::splat(edge.powi(5) / 6.0));
-    let solid = SolidProperties { volume: edge.powi(3), centroid: DVec3::ZERO, unit_inertia };
+    let (volume, squares) = (count as f64, sizes.as_dvec3() * sizes.as_dvec3());
+    // The inertia of a cuboid of mass m about an axis through its centroid is m/12 of the squares of the two other sides.
+    let unit_inertia = DMat3::from_diagonal(volume / 12.0 * (squares.element_sum() - squares));
+    let solid = SolidProperties { volume, centroid: DVec3::ZERO, unit_inertia };
     Ok(SpherePacking::new(spheres, solid)?)
 }
 
