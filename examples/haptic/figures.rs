@@ -28,6 +28,8 @@ struct Overruns {
     queries: usize,
     /// By wall time and on the processor.
     of_queries: [usize; 2],
+    /// Queries that overran on the processor, and again both times they were repeated at the same pose.
+    again: usize,
     of_clock: [usize; 2],
 }
 
@@ -112,11 +114,12 @@ impl Summary {
         ))?;
         for overruns in &self.overruns {
             print_line(format_args!(
-                "{} µs: of {} queries {} / {} overran on the wall / on the processor, of as many loops that only read the clock {} / {}",
+                "{} µs: of {} queries {} / {} overran on the wall / on the processor, {} of them again both times they were repeated; of as many loops that only read the clock {} / {}",
                 overruns.budget_us,
                 overruns.queries,
                 overruns.of_queries[0],
                 overruns.of_queries[1],
+                overruns.again,
                 overruns.of_clock[0],
                 overruns.of_clock[1],
             ))?;
@@ -137,6 +140,7 @@ impl Overruns {
             budget_us: us,
             queries: overlapping.len(),
             of_queries: [count(|w| &w.query, |m| m.wall), count(|w| &w.query, Measurement::on_processor)],
+            again: overlapping.iter().filter(|within| within.overran_again).count(),
             of_clock: [count(|w| &w.clock, |m| m.wall), count(|w| &w.clock, Measurement::on_processor)],
         }
     }
@@ -149,7 +153,7 @@ fn is_late(time: f64, budget_us: u64) -> bool {
 
 impl Measurement {
     /// Wall time without waiting (µs).
-    fn on_processor(&self) -> f64 {
+    pub(crate) fn on_processor(&self) -> f64 {
         self.wall - self.waited
     }
 

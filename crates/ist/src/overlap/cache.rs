@@ -9,14 +9,14 @@ use super::lanes::{Ball, BlockLanes};
 use super::pairs::PairSink;
 use super::relative_pose::RelativePose;
 use super::traversal::{BlockVisitor, PairFinder, for_each_block, for_each_pair};
-use super::workspace::{Candidates, OverlapWorkspace};
+use super::workspace::OverlapWorkspace;
 use crate::InnerSphereTree;
 use crate::simd_level::simd_level;
 use crate::tree::{TreeData, WIDTH};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::f32::consts::FRAC_1_SQRT_2;
-use fearless_simd::{Simd, dispatch};
+use fearless_simd::{Simd, dispatch, prelude::*};
 use glam::{Mat3, Vec3};
 
 /// Steps that a list should last, at the speed of the last one.
@@ -34,7 +34,7 @@ const ROUNDING: f32 = 4e-6;
 
 /// What a pair of solids remembers from one overlap query to the next, see [`InnerSphereTree::overlap_cached`].
 ///
-/// Keep one per pair of bodies. It takes about 20 bytes for each sphere of A near a block of eight spheres of B, and
+/// Keep one per pair of bodies. It takes about 4 bytes for each sphere of A near a block of eight spheres of B, and
 /// holds on to both trees. Its content affects a result by no more than the order in which pairs are added up, about 1e-6 of
 /// the terms; where equal bits matter, as after a restored snapshot, begin with a new one.
 #[derive(Clone, Debug, Default)]
@@ -54,7 +54,7 @@ struct Lists {
     margin: f32,
     /// Blocks of B's leaves, and where the list of each begins.
     blocks: Vec<(u32, u32)>,
-    near: Candidates,
+    near: Vec<u32>,
 }
 
 impl OverlapCache {
@@ -85,7 +85,7 @@ impl OverlapCache {
             }
             self.lists.make([a, b], pose, margin, workspace);
         }
-        dispatch!(simd_level(), simd => self.lists.for_each_pair(simd, (trees.1, pose), workspace, sink));
+        dispatch!(simd_level(), simd => self.lists.for_each_pair(simd, (trees, pose), workspace, sink));
     }
 }
 
@@ -110,10 +110,10 @@ impl Lists {
         self.near.clear();
         let pair = (trees[0].data(), trees[1].data());
         let wide = pose.with_margin(margin + pose.enlargement(pair));
-        let mut maker = ListMaker { b: pair.1, pose: &wide, lists: self };
+        let mut maker = ListMaker { trees: pair, pose: &wide, lists: self };
         let scratch = &mut workspace.traversal;
         dispatch!(simd_level(), simd => for_each_block(simd, pair, &wide, scratch, &mut maker));
-        self.blocks.push((u32::MAX, self.near.len as u32));
+        self.blocks.push((u32::MAX, self.near.len() as u32));
         self.trees = Some(trees.map(InnerSphereTree::shared).map(Arc::clone));
         self.pose = Some(*pose);
         self.margin = margin;
@@ -123,17 +123,16 @@ impl Lists {
     fn for_each_pair<S: Simd>(
         &self,
         simd: S,
-        (b, pose): (&TreeData, &RelativePose),
+        (trees, pose): ((&TreeData, &TreeData), &RelativePose),
         workspace: &mut OverlapWorkspace,
         sink: &mut impl PairSink,
     ) {
         let OverlapWorkspace { pairs, .. } = workspace;
         pairs.clear();
-        let mut finder = PairFinder { b, pose, pairs, sink };
+        let mut finder = PairFinder { trees, pose, pairs, sink };
         for list in self.blocks.windows(2) {
             let [(block, start), (_, end)] = [list[0], list[1]];
-            let near = self.near.blocks_from(start as usize, (end - start) as usize);
-            finder.pair(simd, block as usize, near);
+            finder.visit(simd, block as usize, &self.near[start as usize..end as usize]);
         }
         finder.pairs.flush(simd, finder.sink);
     }
@@ -141,7 +140,7 @@ impl Lists {
 
 /// Makes lists from a walk.
 struct ListMaker<'a> {
-    b: &'a TreeData,
+    trees: (&'a TreeData, &'a TreeData),
     /// With the margin, and room for the rounding of the lists' test and of that of the pairs.
     pose: &'a RelativePose,
     lists: &'a mut Lists,
@@ -149,24 +148,19 @@ struct ListMaker<'a> {
 
 impl BlockVisitor for ListMaker<'_> {
     #[inline(always)]
-    fn visit<S: Simd>(&mut self, simd: S, block: usize, near: &Candidates) {
+    fn visit<S: Simd>(&mut self, simd: S, block: usize, near: &[u32]) {
         let Lists { blocks, near: list, .. } = &mut *self.lists;
-        let start = list.len;
-        list.make_room(near.len + WIDTH);
-        let leaves = self.pose.place(simd, &self.b.levels[0].blocks[block]);
-        let mut tail = list.tail();
-        let near = near.blocks();
-        for i in 0..near.x.len() {
-            let lanes = BlockLanes::of(simd, near, i);
-            let mut met = lanes.touches(&Ball::of(simd, &leaves, 0));
-            for lane in 1..WIDTH {
-                met |= lanes.touches(&Ball::of(simd, &leaves, lane));
+        let (a, b) = self.trees;
+        let start = list.len();
+        let balls = self.pose.place(simd, &b.levels[0].blocks[block]);
+        let lanes = BlockLanes::new(simd, &balls, 0.0, block * WIDTH);
+        for leaf in near {
+            let ball = Ball::leaf(simd, &a.leaves[*leaf as usize], self.pose.skin_a);
+            if lanes.touches(&ball).any_true() {
+                list.push(*leaf);
             }
-            lanes.append_where(simd, met, &mut tail);
         }
-        // The next list begins behind what fills up the last block of this one.
-        list.len = start + (tail.close() - start).next_multiple_of(WIDTH);
-        if list.len > start {
+        if list.len() > start {
             blocks.push((block as u32, start as u32));
         }
     }

@@ -5,15 +5,14 @@
 //! around many groups, of all levels, make one list; it is filtered by the boxes of fewer and fewer of them, and what is left
 //! for a group is tested against each sphere of it.
 
-use super::lanes::{BlockLanes, live_lanes, load};
-use super::pairs::{Lanes, PairBuffer, PairSink};
+use super::lanes::{Ball, BlockLanes, live_lanes, load};
+use super::pairs::{NearSpheres, PairBuffer, PairSink};
 use super::relative_pose::RelativePose;
-use super::workspace::Candidates;
+use super::workspace::{Blocks, Candidates};
 use crate::grid::{Entries, GridData, Level};
 use crate::tree::{BallBlock, WIDTH};
 use alloc::vec::Vec;
 use core::ops::Range;
-use core::slice;
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
 use glam::{Mat3, Vec3};
 
@@ -77,14 +76,13 @@ pub(super) struct GridScratch {
     pairs: PairBuffer,
 }
 
-/// Up to eight neighbours of one level, in A's frame.
+/// Up to eight neighbours of one level, in A's frame; what fills them up is far from everything.
 #[derive(Clone, Debug)]
 struct Group {
     balls: BallBlock,
     bounds: BallBox,
-    /// Positions in the order of their tree, from the first lane on.
+    /// Positions in the order of their tree.
     index: [u32; WIDTH],
-    count: usize,
 }
 
 impl<'a> GridPair<'a> {
@@ -146,10 +144,13 @@ impl<'a> GridPair<'a> {
                 for few in many.chunks(FEW) {
                     keep_near(simd, near_many, few, near_few);
                     for group in few {
-                        keep_near(simd, near_few, slice::from_ref(group), near_group);
-                        let Group { balls, index, count, .. } = group;
-                        let lanes = Lanes { balls, index: *index, count: *count, of_a: task.of_a };
-                        pairs.append(simd, near_group.blocks(), &lanes, sink);
+                        number_near(simd, near_few, &group.bounds, near_group);
+                        let lanes = BlockLanes {
+                            index: u32x8::load_array(simd, group.index),
+                            ..BlockLanes::new(simd, &group.balls, 0.0, 0)
+                        };
+                        let near = Listed { list: near_few.blocks(), numbers: near_group.indices() };
+                        pairs.append(simd, &near, (&lanes, task.of_a), sink);
                     }
                 }
             }
@@ -172,7 +173,8 @@ impl<'a> GridPair<'a> {
         neighbours.clear();
         while *next < task.groups.end {
             let entries = grid.entries_of_group(*next);
-            let balls = self.block(simd, &grid.entries, entries.start, task.of_a);
+            let mut balls = self.block(simd, &grid.entries, entries.start, task.of_a);
+            balls.x[entries.len()..].copy_from_slice(&BallBlock::FAR.x[entries.len()..]);
             let bounds = BallBox::around(&balls, entries.len());
             let both = around.union(&bounds);
             if !neighbours.is_empty() && (both.upper - both.lower).max_element() > widest * WIDEST {
@@ -180,7 +182,7 @@ impl<'a> GridPair<'a> {
             }
             around = both;
             let index = indices(&grid.entries, entries.start);
-            neighbours.push(Group { balls, bounds, index, count: entries.len() });
+            neighbours.push(Group { balls, bounds, index });
             *next += 1;
         }
         around
@@ -270,6 +272,46 @@ fn keep_near<S: Simd>(simd: S, list: &Candidates, groups: &[Group], kept: &mut C
         block.append_where(simd, bounds.touched_by(&block), &mut tail);
     }
     kept.len = tail.close();
+}
+
+/// Fills `kept` with the numbers, in `list`, of those of its balls that may meet a sphere in `bounds`.
+#[inline(always)]
+fn number_near<S: Simd>(simd: S, list: &Candidates, bounds: &BallBox, kept: &mut Candidates) {
+    kept.fit(list.len);
+    let bounds = BoxLanes::new(simd, bounds);
+    let numbers = u32x8::load_array(simd, [0, 1, 2, 3, 4, 5, 6, 7]);
+    let mut tail = kept.tail();
+    let blocks = list.blocks();
+    for i in 0..blocks.x.len() {
+        let block = BlockLanes { index: numbers + (i * WIDTH) as u32, ..BlockLanes::of(simd, blocks, i) };
+        block.append_index_where(simd, bounds.touched_by(&block), &mut tail);
+    }
+    kept.len = tail.len;
+}
+
+/// Balls of a list by their numbers in it.
+struct Listed<'a> {
+    list: Blocks<'a>,
+    numbers: &'a [u32],
+}
+
+impl NearSpheres for Listed<'_> {
+    #[inline(always)]
+    fn count(&self) -> usize {
+        self.numbers.len()
+    }
+
+    #[inline(always)]
+    fn get<S: Simd>(&self, simd: S, i: usize) -> (Ball<S>, u32) {
+        let (block, lane) = (self.numbers[i] as usize / WIDTH, self.numbers[i] as usize % WIDTH);
+        let ball = Ball {
+            x: f32x8::splat(simd, self.list.x[block][lane]),
+            y: f32x8::splat(simd, self.list.y[block][lane]),
+            z: f32x8::splat(simd, self.list.z[block][lane]),
+            radius: f32x8::splat(simd, self.list.radius[block][lane]),
+        };
+        (ball, self.list.index[block][lane])
+    }
 }
 
 /// A box around the centres of balls, in A's frame, and their largest radius.

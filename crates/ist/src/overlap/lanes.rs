@@ -4,7 +4,7 @@
 //! without the instruction set that was chosen, and then every operation on the vector is a call.
 
 use super::workspace::{Blocks, Tail};
-use crate::tree::{BallBlock, WIDTH};
+use crate::tree::{BallBlock, Leaf, WIDTH};
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
 
 /// One ball in A's frame, in every lane.
@@ -17,6 +17,18 @@ pub(super) struct Ball<S: Simd> {
 }
 
 impl<S: Simd> Ball<S> {
+    /// A leaf of A, enlarged by `skin`.
+    #[inline(always)]
+    pub(super) fn leaf(simd: S, leaf: &Leaf, skin: f32) -> Self {
+        let [x, y, z, radius, ..] = leaf.0;
+        Self {
+            x: f32x8::splat(simd, x),
+            y: f32x8::splat(simd, y),
+            z: f32x8::splat(simd, z),
+            radius: f32x8::splat(simd, radius + skin),
+        }
+    }
+
     #[inline(always)]
     pub(super) fn of(simd: S, block: &BallBlock, lane: usize) -> Self {
         Self {

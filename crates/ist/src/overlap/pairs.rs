@@ -1,8 +1,7 @@
 //! Overlapping pairs of spheres on their way from an engine to a sink.
 
 use super::lanes::{Ball, BlockLanes, live_lanes};
-use super::workspace::Blocks;
-use crate::tree::{BallBlock, WIDTH};
+use crate::tree::{TreeData, WIDTH};
 use fearless_simd::{Simd, mask32x8, prelude::*, u32x8};
 
 /// Takes the overlapping pairs, a batch at a time.
@@ -25,23 +24,31 @@ pub(super) struct PairBuffer {
     len: usize,
 }
 
-/// Up to eight spheres of one solid, in A's frame, that are paired with a list of the other's.
-pub(super) struct Lanes<'a> {
-    pub(super) balls: &'a BallBlock,
-    /// Positions in the order of their tree.
-    pub(super) index: [u32; WIDTH],
-    /// Spheres, from the first lane on.
-    pub(super) count: usize,
-    /// Whether they are A's, and the list B's.
-    pub(super) of_a: bool,
+/// Spheres of one solid, in A's frame, that are paired with eight of the other's at a time.
+pub(super) trait NearSpheres {
+    /// How many there are.
+    fn count(&self) -> usize;
+    /// One of them, and its position in the order of its tree.
+    fn get<S: Simd>(&self, simd: S, i: usize) -> (Ball<S>, u32);
 }
 
-impl<'a> Lanes<'a> {
-    /// The leaves in `block` of B, which are at `balls` in A's frame.
+/// Leaves of A by their positions.
+pub(super) struct NearLeaves<'a> {
+    pub(super) a: &'a TreeData,
+    pub(super) skin: f32,
+    pub(super) positions: &'a [u32],
+}
+
+impl NearSpheres for NearLeaves<'_> {
     #[inline(always)]
-    pub(super) fn block_of_b(balls: &'a BallBlock, block: usize) -> Self {
-        let index = core::array::from_fn(|lane| (block * WIDTH + lane) as u32);
-        Self { balls, index, count: WIDTH, of_a: false }
+    fn count(&self) -> usize {
+        self.positions.len()
+    }
+
+    #[inline(always)]
+    fn get<S: Simd>(&self, simd: S, i: usize) -> (Ball<S>, u32) {
+        let position = self.positions[i];
+        (Ball::leaf(simd, &self.a.leaves[position as usize], self.skin), position)
     }
 }
 
@@ -83,31 +90,35 @@ impl PairBuffer {
         self.len = 0;
     }
 
-    /// Appends the pairs of spheres that overlap, each of `lanes` with each of `list`; `sink` takes them when
-    /// the buffer is full.
+    /// Appends the pairs of spheres that overlap, each of `near` with each of `lanes`, which are A's if `of_a`; `sink` takes
+    /// them when the buffer is full.
     ///
-    /// Nothing here branches on the outcome of a test: about two blocks in three hold a hit, and a wrong guess of the
-    /// processor costs more than a store of nothing.
+    /// Nothing here branches on the outcome of a test: most tests hold a hit, and a wrong guess of the processor costs more
+    /// than a store of nothing.
     #[inline(always)]
-    pub(super) fn append<S: Simd>(&mut self, simd: S, list: Blocks, lanes: &Lanes, sink: &mut impl PairSink) {
-        for i in 0..list.x.len() {
-            let block = BlockLanes::of(simd, list, i);
-            if self.lacks_room_for_blocks() {
+    pub(super) fn append<S: Simd>(
+        &mut self,
+        simd: S,
+        near: &impl NearSpheres,
+        (lanes, of_a): (&BlockLanes<S>, bool),
+        sink: &mut impl PairSink,
+    ) {
+        // Not in memory: every test needs the length that the one before it has made.
+        let mut len = self.len;
+        for i in 0..near.count() {
+            if len > BATCH - WIDTH {
+                self.len = len;
                 self.flush(simd, sink);
+                len = 0;
             }
-            let (listed, paired) =
-                if lanes.of_a { (&mut self.b, &mut self.a) } else { (&mut self.a, &mut self.b) };
-            // Not in memory: every test needs the length that the one before it has made.
-            let mut len = self.len;
-            for lane in 0..lanes.count {
-                let mask = block.touches(&Ball::of(simd, lanes.balls, lane));
-                let at = len..len + WIDTH;
-                simd.compress_u32x8(block.index, mask).store_slice(&mut listed[at.clone()]);
-                u32x8::splat(simd, lanes.index[lane]).store_slice(&mut paired[at]);
-                len += mask.to_bitmask().count_ones() as usize;
-            }
-            self.len = len;
+            let (ball, position) = near.get(simd, i);
+            let mask = lanes.touches(&ball);
+            let (ours, theirs) = if of_a { (&mut self.a, &mut self.b) } else { (&mut self.b, &mut self.a) };
+            simd.compress_u32x8(lanes.index, mask).store_slice(&mut ours[len..len + WIDTH]);
+            u32x8::splat(simd, position).store_slice(&mut theirs[len..len + WIDTH]);
+            len += mask.to_bitmask().count_ones() as usize;
         }
+        self.len = len;
     }
 
     /// Hands all pairs to `sink` and forgets them.
@@ -123,11 +134,6 @@ impl PairBuffer {
             );
             self.len = 0;
         }
-    }
-
-    /// Whether a block of A's spheres with a block of B's may give more pairs than still fit.
-    fn lacks_room_for_blocks(&self) -> bool {
-        self.len + WIDTH * WIDTH > BATCH
     }
 
     /// Repeats the last pair up to the end of its block, so that blocks can be read whole; `len` stays.

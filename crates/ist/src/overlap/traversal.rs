@@ -5,9 +5,9 @@
 //! that most tests run on dense arrays. Both trees descend in step; the taller one starts alone.
 
 use super::lanes::{Ball, BlockLanes};
-use super::pairs::{Lanes, PairBuffer, PairSink};
+use super::pairs::{NearLeaves, PairBuffer, PairSink};
 use super::relative_pose::RelativePose;
-use super::workspace::{Blocks, Candidates, OverlapWorkspace, Siblings, TraversalScratch};
+use super::workspace::{Candidates, OverlapWorkspace, Siblings, TraversalScratch};
 use crate::simd_level::simd_level;
 use crate::tree::{TreeData, WIDTH};
 use fearless_simd::{Simd, dispatch, prelude::*};
@@ -15,12 +15,12 @@ use fearless_simd::{Simd, dispatch, prelude::*};
 /// Takes the leaves of B a block at a time, each with the leaves of A that are near it.
 pub(super) trait BlockVisitor {
     /// `near` are the leaves of A, by their order, that meet the ball over block `block` of B's leaves: at least one.
-    fn visit<S: Simd>(&mut self, simd: S, block: usize, near: &Candidates);
+    fn visit<S: Simd>(&mut self, simd: S, block: usize, near: &[u32]);
 }
 
 /// Makes pairs of blocks and their neighbours, for a sink.
 pub(super) struct PairFinder<'a, K> {
-    pub(super) b: &'a TreeData,
+    pub(super) trees: (&'a TreeData, &'a TreeData),
     pub(super) pose: &'a RelativePose,
     pub(super) pairs: &'a mut PairBuffer,
     pub(super) sink: &'a mut K,
@@ -28,17 +28,12 @@ pub(super) struct PairFinder<'a, K> {
 
 impl<K: PairSink> BlockVisitor for PairFinder<'_, K> {
     #[inline(always)]
-    fn visit<S: Simd>(&mut self, simd: S, block: usize, near: &Candidates) {
-        self.pair(simd, block, near.blocks());
-    }
-}
-
-impl<K: PairSink> PairFinder<'_, K> {
-    /// The pairs of block `block` of B's leaves with leaves of A.
-    #[inline(always)]
-    pub(super) fn pair<S: Simd>(&mut self, simd: S, block: usize, near: Blocks) {
-        let balls = self.pose.place(simd, &self.b.levels[0].blocks[block]);
-        self.pairs.append(simd, near, &Lanes::block_of_b(&balls, block), self.sink);
+    fn visit<S: Simd>(&mut self, simd: S, block: usize, near: &[u32]) {
+        let (a, b) = self.trees;
+        let near = NearLeaves { a, skin: self.pose.skin_a, positions: near };
+        let balls = self.pose.place(simd, &b.levels[0].blocks[block]);
+        let lanes = BlockLanes::new(simd, &balls, 0.0, block * WIDTH);
+        self.pairs.append(simd, &near, (&lanes, false), self.sink);
     }
 }
 
@@ -63,7 +58,7 @@ fn find_pairs<S: Simd>(
 ) {
     let OverlapWorkspace { traversal, pairs, .. } = workspace;
     pairs.clear();
-    let mut finder = PairFinder { b: trees.1, pose, pairs, sink };
+    let mut finder = PairFinder { trees, pose, pairs, sink };
     for_each_block(simd, trees, pose, traversal, &mut finder);
     finder.pairs.flush(simd, finder.sink);
 }
@@ -86,7 +81,7 @@ pub(super) fn for_each_block<S: Simd>(
     descend_alone(simd, (a, top), &Ball::of(simd, &root, 0), spare, &mut children[top]);
     if top == 0 {
         if children[0].len > 0 {
-            visitor.visit(simd, 0, &children[0]);
+            visitor.visit(simd, 0, children[0].indices());
         }
         return;
     }
@@ -107,18 +102,25 @@ pub(super) fn for_each_block<S: Simd>(
         let below = level - 1;
         let [list, kept] = lists(children, [level, below]);
         kept.len = 0;
-        if below < a.data.height() {
-            near.len = 0;
-            number_touching(simd, list, &ball, near);
-            expand(simd, a, (near.indices(), below), &ball, kept);
-        } else {
-            keep_touching(simd, list, &ball, kept);
+        near.len = 0;
+        // Of leaves only the numbers are needed.
+        match (below < a.data.height(), below) {
+            (true, 0) => {
+                number_touching(simd, list, &ball, near);
+                number_leaves(simd, a, near.indices(), &ball, kept);
+            }
+            (true, _) => {
+                number_touching(simd, list, &ball, near);
+                expand(simd, a, (near.indices(), below), &ball, kept);
+            }
+            (false, 0) => number_touching(simd, list, &ball, kept),
+            (false, _) => keep_touching(simd, list, &ball, kept),
         }
         if kept.len == 0 {
             continue;
         }
         if below == 0 {
-            visitor.visit(simd, node, &children[0]);
+            visitor.visit(simd, node, children[0].indices());
         } else {
             let balls = enlarged.place(simd, &b.levels[below].blocks[node]);
             let end = b.levels[below].len().min((node + 1) * WIDTH);
@@ -176,14 +178,26 @@ fn lists(children: &mut [Candidates], [level, below]: [usize; 2]) -> [&mut Candi
     [&mut upper[0], &mut lower[below]]
 }
 
-/// Appends to `kept` the numbers of those balls of `list` that meet `ball`: their children are asked next, and where the balls
-/// are is not needed any more.
+/// Appends to `kept` the numbers of those balls of `list` that meet `ball`.
 #[inline(always)]
 fn number_touching<S: Simd>(simd: S, list: &Candidates, ball: &Ball<S>, kept: &mut Candidates) {
     let mut tail = kept.tail();
     let blocks = list.blocks();
     for i in 0..blocks.x.len() {
         let block = BlockLanes::of(simd, blocks, i);
+        block.append_index_where(simd, block.touches(ball), &mut tail);
+    }
+    kept.len = tail.len;
+}
+
+/// Appends to `kept` the numbers of the leaves of A below `parents` that meet `ball`.
+#[inline(always)]
+fn number_leaves<S: Simd>(simd: S, a: Skinned, parents: &[u32], ball: &Ball<S>, kept: &mut Candidates) {
+    let mut tail = kept.tail();
+    let blocks = &*a.data.levels[0].blocks;
+    for parent in parents {
+        let parent = *parent as usize;
+        let block = BlockLanes::new(simd, &blocks[parent], a.skin, parent * WIDTH);
         block.append_index_where(simd, block.touches(ball), &mut tail);
     }
     kept.len = tail.len;

@@ -1,7 +1,7 @@
 //! Opening one part of the overlap after the other, until the budget is spent.
 
-use super::super::lanes::Ball;
-use super::super::pairs::Lanes;
+use super::super::lanes::{Ball, BlockLanes};
+use super::super::pairs::NearLeaves;
 use super::super::totals::{Totals, TotalsSink};
 use super::super::traversal::{Skinned, expand, keep_touching};
 use super::super::workspace::Candidates;
@@ -185,16 +185,17 @@ impl Search<'_, '_> {
         let mut balls = query.pose.place(simd, &query.b.tree.levels[level_b].blocks[block]);
         let tests = children_a.len.div_ceil(WIDTH);
         if level_a == 0 && level_b == 0 {
-            let lone = lone_ball(&balls, nodes_b.start % WIDTH);
-            let lanes = if nodes_b.len() == 1 {
-                Lanes { balls: &lone, index: [nodes_b.start as u32; WIDTH], count: 1, of_a: false }
-            } else {
-                Lanes::block_of_b(&balls, block)
-            };
+            // The others of its block are in rows of their own.
+            if nodes_b.len() == 1 {
+                balls = lone_ball(&balls, nodes_b.start % WIDTH);
+            }
+            let lanes = BlockLanes::new(simd, &balls, 0.0, block * WIDTH);
+            let positions = children_a.indices();
+            let near = NearLeaves { a: query.a.tree, skin: query.a.skin, positions };
             let waiting = leaf_pairs.len() + self.resolved.totals.pairs as usize;
-            leaf_pairs.append(simd, children_a.blocks(), &lanes, &mut self.resolved);
+            leaf_pairs.append(simd, &near, (&lanes, false), &mut self.resolved);
             let found = leaf_pairs.len() + self.resolved.totals.pairs as usize - waiting;
-            return !self.meter.work(tests * lanes.count + found);
+            return !self.meter.work(children_a.len + found);
         }
         balls.radius = balls.radius.map(|radius| radius + query.enlargement);
         let mut rows = RowMaker::new(query, frontier, self.meter, (level_a, level_b));
@@ -222,11 +223,11 @@ fn sides_to_open(row: &Row) -> [bool; 2] {
     }
 }
 
-/// Ball `lane` of `balls` in the first lane of a block.
+/// Ball `lane` of `balls`, where it is, and nothing else.
 fn lone_ball(balls: &BallBlock, lane: usize) -> BallBlock {
     let mut lone = BallBlock::FAR;
-    (lone.x[0], lone.y[0], lone.z[0]) = (balls.x[lane], balls.y[lane], balls.z[lane]);
-    lone.radius[0] = balls.radius[lane];
+    (lone.x[lane], lone.y[lane], lone.z[lane]) = (balls.x[lane], balls.y[lane], balls.z[lane]);
+    lone.radius[lane] = balls.radius[lane];
     lone
 }
 
