@@ -1,8 +1,8 @@
 //! From spheres to levels, cells and groups.
 
 use super::cells::{CellTable, morton};
-use super::{CELL_WIDTH, Entries, GridData, Level};
-use crate::tree::{Balls, TreeData, WIDTH};
+use super::{CELL_WIDTH, GridData, Level};
+use crate::tree::{Balls, Leaf, TreeData, WIDTH};
 use alloc::vec::Vec;
 use glam::Vec3;
 
@@ -15,9 +15,6 @@ const MOST_CELLS: f32 = 5e5;
 
 /// Widest extent of a group's centres, in cells.
 const WIDEST_GROUP: f32 = 1.0;
-
-/// Coordinate of the entries behind the last, far from everything.
-const FAR: f32 = 1e30;
 
 struct Placed {
     level: u32,
@@ -70,7 +67,10 @@ pub(super) fn build(tree: &TreeData) -> GridData {
         start += part.len();
     }
     groups.push(start as u32);
-    GridData { levels, entries: entries(tree, &placed), groups, origin }
+    let mut entries = Vec::with_capacity(placed.len() + WIDTH);
+    entries.extend(placed.iter().map(|p| tree.leaves[p.index as usize]));
+    entries.extend([Leaf::FAR; WIDTH]);
+    GridData { levels, entries, groups, origin }
 }
 
 /// ⌊log₂ x⌋ for x ≥ 1, without a platform's logarithm.
@@ -102,26 +102,4 @@ fn occupied_cells(part: &[Placed], start: usize) -> Vec<(u64, core::ops::Range<u
             (cell[0].code >> SUBCELL_BITS, begin..at)
         })
         .collect()
-}
-
-fn entries(tree: &TreeData, placed: &[Placed]) -> Entries {
-    let with_room = || Vec::with_capacity(placed.len() + WIDTH);
-    let (x, y, z, radius) = (with_room(), with_room(), with_room(), with_room());
-    let index = Vec::with_capacity(placed.len() + WIDTH);
-    let mut entries = Entries { x, y, z, radius, index };
-    let mut push = |center: Vec3, radius, index| {
-        entries.x.push(center.x);
-        entries.y.push(center.y);
-        entries.z.push(center.z);
-        entries.radius.push(radius);
-        entries.index.push(index);
-    };
-    for p in placed {
-        let (center, radius) = tree.levels[0].get(p.index as usize);
-        push(center, radius, p.index);
-    }
-    for _ in 0..WIDTH {
-        push(Vec3::splat(FAR), 0.0, 0);
-    }
-    entries
 }

@@ -15,6 +15,7 @@ mod builder;
 mod cells;
 
 use crate::InnerSphereTree;
+use crate::tree::Leaf;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use cells::{CellTable, morton, spread_bits};
@@ -24,7 +25,7 @@ use glam::{UVec3, Vec3};
 /// Edge of a cell over the largest radius of its level; `overlap/grid_search.rs` has the measurement.
 const CELL_WIDTH: f32 = 8.0;
 
-/// Grids over the spheres of a tree. Building takes O(n log n), memory is about 23 bytes per sphere.
+/// Grids over the spheres of a tree. Building takes O(n log n), memory is about 35 bytes per sphere.
 ///
 /// It belongs to the tree that it was made of and to all scaled copies of that, see [`InnerSphereTree::with_grid`].
 #[derive(Clone, Debug)]
@@ -37,7 +38,7 @@ pub struct SphereGrid {
 pub(crate) struct GridData {
     pub(crate) levels: Vec<Level>,
     /// Volume balls by level and, within a level, in Morton order; eight far balls follow.
-    pub(crate) entries: Entries,
+    pub(crate) entries: Vec<Leaf>,
     /// Where each group begins among the entries; the end of the last follows.
     pub(crate) groups: Vec<u32>,
     /// Corner from which cells are counted (m, unscaled).
@@ -56,17 +57,6 @@ pub(crate) struct Level {
     /// Last cell along each axis that may hold a sphere.
     last_cell: UVec3,
     cells: CellTable,
-}
-
-/// Balls in struct-of-arrays order.
-#[derive(Debug, Default)]
-pub(crate) struct Entries {
-    pub(crate) x: Vec<f32>,
-    pub(crate) y: Vec<f32>,
-    pub(crate) z: Vec<f32>,
-    pub(crate) radius: Vec<f32>,
-    /// Position in the order of the tree.
-    pub(crate) index: Vec<u32>,
 }
 
 impl SphereGrid {

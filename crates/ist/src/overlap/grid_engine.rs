@@ -63,7 +63,8 @@ pub(super) fn totals<const STIFFNESS: bool>(
         return Totals::default();
     }
     let run = |task: &Task, scratch: &mut GridScratch| {
-        let mut sink = TotalsSink::<STIFFNESS>::new(trees, grids.pose);
+        let entries = [&*grids.a.entries, &*grids.b.entries];
+        let mut sink = TotalsSink::<STIFFNESS>::new(trees, grids.pose).of_entries(entries);
         dispatch!(simd_level(), simd => grids.find_pairs(simd, task, scratch, &mut sink));
         sink.totals
     };

@@ -5,12 +5,13 @@
 //! around many groups, of all levels, make one list; it is filtered by the boxes of fewer and fewer of them, and what is left
 //! for a group is tested against each sphere of it.
 
-use super::lanes::{Ball, BlockLanes, live_lanes, load};
+use super::lanes::{Ball, BlockLanes, live_lanes};
+use super::leaf_lanes::LeafLanes;
 use super::pairs::{NearSpheres, PairBuffer, PairSink};
 use super::relative_pose::RelativePose;
 use super::workspace::{Blocks, Candidates};
-use crate::grid::{Entries, GridData, Level};
-use crate::tree::{BallBlock, WIDTH};
+use crate::grid::{GridData, Level};
+use crate::tree::{BallBlock, Leaf, WIDTH};
 use alloc::vec::Vec;
 use core::ops::Range;
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
@@ -81,8 +82,8 @@ pub(super) struct GridScratch {
 struct Group {
     balls: BallBlock,
     bounds: BallBox,
-    /// Positions in the order of their tree.
-    index: [u32; WIDTH],
+    /// The first of their entries.
+    first: usize,
 }
 
 impl<'a> GridPair<'a> {
@@ -108,8 +109,7 @@ impl<'a> GridPair<'a> {
     fn position(self, of_a: bool, groups: &Range<usize>) -> u64 {
         let grid = if of_a { self.a } else { self.b };
         let middle = grid.entries_of_group(groups.start.midpoint(groups.end)).start;
-        let Entries { x, y, z, .. } = &grid.entries;
-        let center = Vec3::new(x[middle], y[middle], z[middle]);
+        let center = grid.entries[middle].center();
         self.a.along_curve(if of_a { center } else { self.pose.transform_point(center) })
     }
 
@@ -145,10 +145,7 @@ impl<'a> GridPair<'a> {
                     keep_near(simd, near_many, few, near_few);
                     for group in few {
                         number_near(simd, near_few, &group.bounds, near_group);
-                        let lanes = BlockLanes {
-                            index: u32x8::load_array(simd, group.index),
-                            ..BlockLanes::new(simd, &group.balls, 0.0, 0)
-                        };
+                        let lanes = BlockLanes::new(simd, &group.balls, 0.0, group.first);
                         let near = Listed { list: near_few.blocks(), numbers: near_group.indices() };
                         pairs.append(simd, &near, (&lanes, task.of_a), sink);
                     }
@@ -173,7 +170,7 @@ impl<'a> GridPair<'a> {
         neighbours.clear();
         while *next < task.groups.end {
             let entries = grid.entries_of_group(*next);
-            let mut balls = self.block(simd, &grid.entries, entries.start, task.of_a);
+            let mut balls = self.block(simd, &grid.entries, entries.start, task.of_a).balls();
             balls.x[entries.len()..].copy_from_slice(&BallBlock::FAR.x[entries.len()..]);
             let bounds = BallBox::around(&balls, entries.len());
             let both = around.union(&bounds);
@@ -181,8 +178,7 @@ impl<'a> GridPair<'a> {
                 break;
             }
             around = both;
-            let index = indices(&grid.entries, entries.start);
-            neighbours.push(Group { balls, bounds, index });
+            neighbours.push(Group { balls, bounds, first: entries.start });
             *next += 1;
         }
         around
@@ -226,11 +222,7 @@ impl<'a> GridPair<'a> {
             near.make_room(cell.len());
             let mut tail = near.tail();
             for first in (cell.start as usize..cell.end as usize).step_by(WIDTH) {
-                let balls = self.block(simd, entries, first, !of_a);
-                let block = BlockLanes {
-                    index: u32x8::load_array(simd, indices(entries, first)),
-                    ..BlockLanes::new(simd, &balls, 0.0, 0)
-                };
+                let block = self.block(simd, entries, first, !of_a);
                 let mask = lanes.touched_by(&block) & live_lanes(simd, cell.end as usize, first);
                 block.append_where(simd, mask, &mut tail);
             }
@@ -240,23 +232,13 @@ impl<'a> GridPair<'a> {
 
     /// Eight entries from `first` on, in A's frame and with their skin.
     #[inline(always)]
-    fn block<S: Simd>(self, simd: S, entries: &Entries, first: usize, of_a: bool) -> BallBlock {
-        let x = load(simd, &entries.x, first).to_array();
-        let y = load(simd, &entries.y, first).to_array();
-        let z = load(simd, &entries.z, first).to_array();
-        let radius = load(simd, &entries.radius, first);
-        if of_a {
-            BallBlock { x, y, z, radius: (radius + self.pose.skin_a).to_array() }
-        } else {
-            self.pose.place(simd, &BallBlock { x, y, z, radius: radius.to_array() })
-        }
+    fn block<S: Simd>(self, simd: S, entries: &[Leaf], first: usize, of_a: bool) -> BlockLanes<S> {
+        let LeafLanes { center, radius, .. } = LeafLanes::load(simd, entries, first);
+        let (center, radius) =
+            if of_a { (center, radius + self.pose.skin_a) } else { self.pose.place_lanes(center, radius) };
+        let index = u32x8::load_array(simd, [0, 1, 2, 3, 4, 5, 6, 7]) + first as u32;
+        BlockLanes { x: center.x, y: center.y, z: center.z, radius, index }
     }
-}
-
-/// Positions in the order of the tree of the eight entries from `first` on.
-#[inline(always)]
-fn indices(entries: &Entries, first: usize) -> [u32; WIDTH] {
-    entries.index[first..].first_chunk().copied().unwrap_or_default()
 }
 
 /// Fills `kept` with those balls of `list` that may meet a sphere of `groups`.

@@ -38,6 +38,10 @@ fn pairs(a: &InnerSphereTree, b: &InnerSphereTree, pose: &Pose3, by: Engine) -> 
                 let scratch = &mut workspace.grid;
                 dispatch!(simd_level(), simd => grids.find_pairs(simd, &task, scratch, &mut keep));
             }
+            for [in_b, in_a] in &mut keep.0 {
+                *in_b = grids.b.entries[*in_b as usize].position();
+                *in_a = grids.a.entries[*in_a as usize].position();
+            }
         }
     }
     keep.0.sort_unstable();

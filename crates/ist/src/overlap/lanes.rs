@@ -63,6 +63,16 @@ impl<S: Simd> BlockLanes<S> {
         }
     }
 
+    #[inline(always)]
+    pub(super) fn balls(&self) -> BallBlock {
+        BallBlock {
+            x: self.x.to_array(),
+            y: self.y.to_array(),
+            z: self.z.to_array(),
+            radius: self.radius.to_array(),
+        }
+    }
+
     /// Number `block` of `blocks`.
     #[inline(always)]
     pub(super) fn of(simd: S, blocks: Blocks, block: usize) -> Self {

@@ -29,6 +29,13 @@ impl<S: Simd> LeafLanes<S> {
         let [x, y, z, radius, normal_x, normal_y, normal_z, _] = transposed(rows);
         Self { center: Lanes3 { x, y, z }, radius, normal: Lanes3 { x: normal_x, y: normal_y, z: normal_z } }
     }
+
+    /// The leaves from `first` on.
+    #[inline(always)]
+    pub(super) fn load(simd: S, leaves: &[Leaf], first: usize) -> Self {
+        let index = core::array::from_fn(|i| (first + i) as u32);
+        Self::gather(simd, &leaves[..first + WIDTH], &index)
+    }
 }
 
 #[inline(always)]

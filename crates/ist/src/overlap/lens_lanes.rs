@@ -3,7 +3,7 @@
 use super::leaf_lanes::LeafLanes;
 use super::pairs::PairBuffer;
 use super::relative_pose::RelativePose;
-use crate::tree::TreeData;
+use crate::tree::Leaf;
 use core::f32::consts::PI;
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 
@@ -70,11 +70,11 @@ impl<S: Simd> PairLanes<S> {
         simd: S,
         pairs: &PairBuffer,
         first: usize,
-        (a, b): (&TreeData, &TreeData),
+        [a, b]: [&[Leaf]; 2],
         pose: &RelativePose,
     ) -> (Self, [Lanes3<S>; 2]) {
-        let of_a = LeafLanes::gather(simd, &a.leaves, pairs.a_at(first));
-        let of_b = LeafLanes::gather(simd, &b.leaves, pairs.b_at(first));
+        let of_a = LeafLanes::gather(simd, a, pairs.a_at(first));
+        let of_b = LeafLanes::gather(simd, b, pairs.b_at(first));
         let (center_b, radius_b) = pose.place_lanes(of_b.center, of_b.radius);
         let radius_a = of_a.radius + pose.skin_a;
         let live = pairs.live(simd, first);

@@ -13,7 +13,7 @@ pub(super) trait PairSink {
 /// Pairs per batch; no effect on the time was measured from 128 to 512.
 const BATCH: usize = 256;
 
-/// A batch of overlapping pairs: positions in the orders of both trees.
+/// A batch of overlapping pairs: positions in the orders of both trees, or among the entries of both grids.
 ///
 /// Positions only: storing the balls of a pair as well costs more than reading them again, as four of the ten stores
 /// that this takes per test are for nothing.
@@ -28,7 +28,7 @@ pub(super) struct PairBuffer {
 pub(super) trait NearSpheres {
     /// How many there are.
     fn count(&self) -> usize;
-    /// One of them, and its position in the order of its tree.
+    /// One of them, and its position in the order of its tree or among the entries of its grid.
     fn get<S: Simd>(&self, simd: S, i: usize) -> (Ball<S>, u32);
 }
 
@@ -61,11 +61,6 @@ impl Default for PairBuffer {
 impl PairBuffer {
     pub(super) fn len(&self) -> usize {
         self.len
-    }
-
-    /// The spheres of pair `i`.
-    pub(super) fn spheres(&self, i: usize) -> [u32; 2] {
-        [self.a[i], self.b[i]]
     }
 
     /// A's spheres of the block at `first`.

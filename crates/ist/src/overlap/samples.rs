@@ -117,8 +117,9 @@ pub(super) struct LensSink<'a> {
 impl PairSink for LensSink<'_> {
     #[inline(always)]
     fn take<S: Simd>(&mut self, simd: S, pairs: &PairBuffer) {
+        let leaves = [&*self.trees.0.leaves, &*self.trees.1.leaves];
         for first in (0..pairs.len()).step_by(WIDTH) {
-            let (balls, _) = PairLanes::gather(simd, pairs, first, self.trees, self.pose);
+            let (balls, _) = PairLanes::gather(simd, pairs, first, leaves, self.pose);
             let lens = LensLanes::new(simd, &balls);
             for lane in 0..WIDTH.min(pairs.len() - first) {
                 let volume = lens.volume[lane];

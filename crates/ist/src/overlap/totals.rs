@@ -4,7 +4,7 @@ use super::lens_lanes::{Lanes3, LensLanes, PairLanes};
 use super::pairs::{PairBuffer, PairSink};
 use super::relative_pose::RelativePose;
 use super::stiffness::{StiffnessLanes, StiffnessSum};
-use crate::tree::{TreeData, WIDTH};
+use crate::tree::{Leaf, TreeData, WIDTH};
 use fearless_simd::{Simd, f32x8, prelude::*, u32x8};
 use glam::{DVec3, Mat3};
 
@@ -46,13 +46,26 @@ pub(super) struct Deepest {
 pub(super) struct TotalsSink<'a, const STIFFNESS: bool> {
     a: &'a TreeData,
     b: &'a TreeData,
+    /// What the numbers of a pair stand for: the leaves of both trees, or the entries of both grids.
+    leaves: [&'a [Leaf]; 2],
     pose: &'a RelativePose,
     pub(super) totals: Totals,
 }
 
 impl<'a, const STIFFNESS: bool> TotalsSink<'a, STIFFNESS> {
     pub(super) fn new((a, b): (&'a TreeData, &'a TreeData), pose: &'a RelativePose) -> Self {
-        Self { a, b, pose, totals: Totals::default() }
+        Self { a, b, leaves: [&a.leaves, &b.leaves], pose, totals: Totals::default() }
+    }
+
+    /// For pairs of entries of their grids.
+    pub(super) fn of_entries(self, leaves: [&'a [Leaf]; 2]) -> Self {
+        Self { leaves, ..self }
+    }
+
+    /// Positions of the spheres of pair `i` in the orders of the trees.
+    fn spheres(&self, pairs: &PairBuffer, i: usize) -> [u32; 2] {
+        let [a, b] = self.leaves;
+        [a[pairs.a[i] as usize].position(), b[pairs.b[i] as usize].position()]
     }
 
     /// Whether the inner balls of one of the pairs meet. Those of no other pair do: volume balls contain them.
@@ -62,7 +75,7 @@ impl<'a, const STIFFNESS: bool> TotalsSink<'a, STIFFNESS> {
             (tree.inner_center[index], tree.inner_radius[index])
         };
         (0..pairs.len()).any(|i| {
-            let [in_a, in_b] = pairs.spheres(i);
+            let [in_a, in_b] = self.spheres(pairs, i);
             let (center_a, radius_a) = ball(self.a, in_a);
             let (center_b, radius_b) = ball(self.b, in_b);
             let reach = radius_a + radius_b * self.pose.scale;
@@ -80,7 +93,7 @@ impl<const STIFFNESS: bool> PairSink for TotalsSink<'_, STIFFNESS> {
         let mut stiffness = StiffnessLanes::zero(simd);
         let mut deepest = (f32x8::splat(simd, 0.0), u32x8::splat(simd, 0));
         for first in (0..pairs.len()).step_by(WIDTH) {
-            let (balls, [of_a, of_b]) = PairLanes::gather(simd, pairs, first, (self.a, self.b), self.pose);
+            let (balls, [of_a, of_b]) = PairLanes::gather(simd, pairs, first, self.leaves, self.pose);
             let lens = LensLanes::new(simd, &balls);
             volume += lens.volume;
             moment = moment.plus(lens.moment);
@@ -102,9 +115,15 @@ impl<const STIFFNESS: bool> PairSink for TotalsSink<'_, STIFFNESS> {
         if STIFFNESS {
             stiffness.add_to(&mut totals.stiffness);
         }
-        totals.deepest.raise(deepest.0.to_array(), deepest.1.to_array(), pairs);
         outward.add_to(&mut totals.outward);
         totals.inner_balls_meet = meet;
+        let (depth, block) = (deepest.0.to_array(), deepest.1.to_array());
+        for lane in 0..WIDTH {
+            if depth[lane] > self.totals.deepest.depth {
+                let spheres = self.spheres(pairs, block[lane] as usize + lane);
+                self.totals.deepest = Deepest { depth: depth[lane], spheres };
+            }
+        }
     }
 }
 
@@ -134,17 +153,6 @@ impl WrenchSum {
     fn add(&mut self, other: &Self) {
         self.force += other.force;
         self.torque += other.torque;
-    }
-}
-
-impl Deepest {
-    /// Takes the deepest of eight pairs if it is deeper; lane i of `block` is where the block of pair i begins.
-    fn raise(&mut self, depth: [f32; WIDTH], block: [u32; WIDTH], pairs: &PairBuffer) {
-        for lane in 0..WIDTH {
-            if depth[lane] > self.depth {
-                *self = Self { depth: depth[lane], spheres: pairs.spheres(block[lane] as usize + lane) };
-            }
-        }
     }
 }
 

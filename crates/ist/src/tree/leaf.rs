@@ -1,9 +1,10 @@
 //! Spheres as pairs of them are read.
 
-use super::WIDTH;
+use super::{BallBlock, WIDTH};
 use glam::Vec3;
 
-/// One sphere in half a cache line: centre and radius of its volume ball, outward normal, and a number that is not used.
+/// One sphere in half a cache line: centre and radius of its volume ball, its outward normal, and the bits of its position in the
+/// order of its tree.
 ///
 /// The spheres of eight pairs are anywhere in the tree. From these, eight loads and a transposition make vectors of their
 /// coordinates: a query of two rabbits of 1,000 spheres takes 4 to 7 % less time than from arrays of single numbers, with
@@ -13,8 +14,22 @@ use glam::Vec3;
 pub(crate) struct Leaf(pub(crate) [f32; WIDTH]);
 
 impl Leaf {
-    pub(super) fn new((center, radius): (Vec3, f32), normal: Vec3) -> Self {
-        Self([center.x, center.y, center.z, radius, normal.x, normal.y, normal.z, 0.0])
+    /// Far from everything.
+    pub(crate) const FAR: Self = Self([BallBlock::FAR.x[0], 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+
+    pub(super) fn new((center, radius): (Vec3, f32), normal: Vec3, position: usize) -> Self {
+        let position = f32::from_bits(position as u32);
+        Self([center.x, center.y, center.z, radius, normal.x, normal.y, normal.z, position])
+    }
+
+    /// Position in the order of its tree.
+    pub(crate) fn position(&self) -> u32 {
+        self.0[7].to_bits()
+    }
+
+    /// Centre of the volume ball.
+    pub(crate) fn center(&self) -> Vec3 {
+        Vec3::new(self.0[0], self.0[1], self.0[2])
     }
 
     /// Outward normal.

@@ -76,7 +76,7 @@ impl InnerSphereTree {
         let order = builder::clustered_order(&balls);
         let sorted = || order.iter().map(|&i| &spheres[i as usize]);
         let levels = builder::wrapped_levels(order.iter().map(|&i| balls[i as usize]));
-        let leaves = sorted().enumerate().map(|(i, s)| Leaf::new(levels[0].get(i), s.normal)).collect();
+        let leaves = sorted().enumerate().map(|(i, s)| Leaf::new(levels[0].get(i), s.normal, i)).collect();
         let data = TreeData {
             unit,
             #[cfg(feature = "std")]
