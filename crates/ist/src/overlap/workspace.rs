@@ -118,22 +118,16 @@ impl Candidates {
         }
     }
 
-    /// All of its balls.
+    /// All of its balls, which a [`Tail`] has closed.
     #[inline(always)]
     pub(super) fn blocks(&self) -> Blocks<'_> {
-        self.blocks_from(0, self.len)
-    }
-
-    /// `len` of its balls from `first` on, with which a call of [`Tail::close`] ended.
-    #[inline(always)]
-    pub(super) fn blocks_from(&self, first: usize, len: usize) -> Blocks<'_> {
-        let count = len.div_ceil(WIDTH);
+        let count = self.len.div_ceil(WIDTH);
         Blocks {
-            x: blocks_of(&self.x, first, count),
-            y: blocks_of(&self.y, first, count),
-            z: blocks_of(&self.z, first, count),
-            radius: blocks_of(&self.radius, first, count),
-            index: blocks_of(&self.index, first, count),
+            x: &self.x.as_chunks().0[..count],
+            y: &self.y.as_chunks().0[..count],
+            z: &self.z.as_chunks().0[..count],
+            radius: &self.radius.as_chunks().0[..count],
+            index: &self.index.as_chunks().0[..count],
         }
     }
 
@@ -175,10 +169,4 @@ impl Tail<'_> {
         self.x[self.len..self.len + WIDTH].copy_from_slice(&BallBlock::FAR.x);
         self.len
     }
-}
-
-/// `count` blocks of `array` from its number `first` on.
-#[inline(always)]
-fn blocks_of<T>(array: &[T], first: usize, count: usize) -> &[[T; WIDTH]] {
-    &array[first..].as_chunks().0[..count]
 }
