@@ -16,7 +16,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 /// Spread over the run, as a machine that others use too is slow for seconds.
-const ROUNDS: usize = 12;
+const ROUNDS: usize = 8;
 /// Axes about which a solid is turned.
 const POSES: usize = 8;
 /// Least time of the queries of a round (s): short ones are repeated.

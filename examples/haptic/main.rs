@@ -40,7 +40,7 @@ struct Arguments {
     #[arg(long, default_value_t = 8.0)]
     seconds: f64,
     /// A budget (µs) to measure besides 20, 50, 100 and 200.
-    #[arg(long, value_name = "N", default_value_t = 100)]
+    #[arg(long, value_name = "N", default_value_t = 500)]
     budget_us: u64,
     /// Begin each tick when its time has come, as a device would, instead of as soon as possible.
     #[arg(long)]

@@ -1,7 +1,7 @@
 //! Overlapping pairs of spheres on their way from an engine to a sink.
 
 use super::lanes::{Ball, BlockLanes, live_lanes};
-use crate::tree::{TreeData, WIDTH};
+use crate::tree::{Leaf, WIDTH};
 use fearless_simd::{Simd, mask32x8, prelude::*, u32x8};
 
 /// Takes the overlapping pairs, a batch at a time.
@@ -34,7 +34,7 @@ pub(super) trait NearSpheres {
 
 /// Leaves of A by their positions.
 pub(super) struct NearLeaves<'a> {
-    pub(super) a: &'a TreeData,
+    pub(super) leaves: &'a [Leaf],
     pub(super) skin: f32,
     pub(super) positions: &'a [u32],
 }
@@ -48,7 +48,7 @@ impl NearSpheres for NearLeaves<'_> {
     #[inline(always)]
     fn get<S: Simd>(&self, simd: S, i: usize) -> (Ball<S>, u32) {
         let position = self.positions[i];
-        (Ball::leaf(simd, &self.a.leaves[position as usize], self.skin), position)
+        (Ball::leaf(simd, &self.leaves[position as usize], self.skin), position)
     }
 }
 

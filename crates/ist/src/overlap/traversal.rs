@@ -30,7 +30,7 @@ impl<K: PairSink> BlockVisitor for PairFinder<'_, K> {
     #[inline(always)]
     fn visit<S: Simd>(&mut self, simd: S, block: usize, near: &[u32]) {
         let (a, b) = self.trees;
-        let near = NearLeaves { a, skin: self.pose.skin_a, positions: near };
+        let near = NearLeaves { leaves: &a.leaves, skin: self.pose.skin_a, positions: near };
         let balls = self.pose.place(simd, &b.levels[0].blocks[block]);
         let lanes = BlockLanes::new(simd, &balls, 0.0, block * WIDTH);
         self.pairs.append(simd, &near, (&lanes, false), self.sink);

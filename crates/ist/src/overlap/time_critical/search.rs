@@ -191,7 +191,7 @@ impl Search<'_, '_> {
             }
             let lanes = BlockLanes::new(simd, &balls, 0.0, block * WIDTH);
             let positions = children_a.indices();
-            let near = NearLeaves { a: query.a.tree, skin: query.a.skin, positions };
+            let near = NearLeaves { leaves: &query.a.tree.leaves, skin: query.a.skin, positions };
             let waiting = leaf_pairs.len() + self.resolved.totals.pairs as usize;
             leaf_pairs.append(simd, &near, (&lanes, false), &mut self.resolved);
             let found = leaf_pairs.len() + self.resolved.totals.pairs as usize - waiting;
