@@ -98,22 +98,26 @@ impl PairBuffer {
         (lanes, of_a): (&BlockLanes<S>, bool),
         sink: &mut impl PairSink,
     ) {
-        // Not in memory: every test needs the length that the one before it has made.
-        let mut len = self.len;
-        for i in 0..near.count() {
-            if len > BATCH - WIDTH {
-                self.len = len;
-                self.flush(simd, sink);
-                len = 0;
-            }
-            let (ball, position) = near.get(simd, i);
-            let mask = lanes.touches(&ball);
+        let (mut next, count) = (0, near.count());
+        while next < count {
+            // As many tests as there is room for, whatever they find.
+            let end = count.min(next + (BATCH - self.len) / WIDTH);
             let (ours, theirs) = if of_a { (&mut self.a, &mut self.b) } else { (&mut self.b, &mut self.a) };
-            simd.compress_u32x8(lanes.index, mask).store_slice(&mut ours[len..len + WIDTH]);
-            u32x8::splat(simd, position).store_slice(&mut theirs[len..len + WIDTH]);
-            len += mask.to_bitmask().count_ones() as usize;
+            // Not in memory: every test needs the length that the one before it has made.
+            let mut len = self.len;
+            for i in next..end {
+                let (ball, position) = near.get(simd, i);
+                let mask = lanes.touches(&ball);
+                simd.compress_u32x8(lanes.index, mask).store_slice(&mut ours[len..len + WIDTH]);
+                u32x8::splat(simd, position).store_slice(&mut theirs[len..len + WIDTH]);
+                len += mask.to_bitmask().count_ones() as usize;
+            }
+            self.len = len;
+            next = end;
+            if self.len > BATCH - WIDTH {
+                self.flush(simd, sink);
+            }
         }
-        self.len = len;
     }
 
     /// Hands all pairs to `sink` and forgets them.
