@@ -39,7 +39,7 @@ pub(crate) fn draw(path: &Path, rows: &[(&Row, Vec<Measurement>)]) -> Result<(),
 fn draw_row(panel: &Panel, row: &Row, measurements: &[Measurement]) -> Result<(), Box<dyn Error>> {
     let turn = row.turns.last().ok_or("a row has no turn")?;
     let mut chart = ChartBuilder::on(panel)
-        .caption(format!("A {}, {turn}", row.name), (FONT, 14))
+        .caption(format!("A {}, {turn}", row.name), (FONT, 13))
         .margin(12)
         .margin_right(24)
         .x_label_area_size(46)
@@ -68,7 +68,7 @@ fn draw_row(panel: &Panel, row: &Row, measurements: &[Measurement]) -> Result<()
     chart
         .configure_series_labels()
         .position(SeriesLabelPosition::UpperLeft)
-        .label_font((FONT, 14))
+        .label_font((FONT, 13))
         .background_style(WHITE)
         .border_style(BLACK.mix(0.3))
         .draw()?;

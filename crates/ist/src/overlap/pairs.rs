@@ -15,8 +15,8 @@ const BATCH: usize = 256;
 
 /// A batch of overlapping pairs: positions in the orders of both trees, or among the entries of both grids.
 ///
-/// Positions only: storing the balls of a pair as well costs more than reading them again, as four of the ten stores
-/// that this takes per test are for nothing.
+/// Positions only: storing the balls of a pair as well costs more than reading them again, as most of what a test stores
+/// is for nothing.
 #[derive(Clone, Debug)]
 pub(super) struct PairBuffer {
     pub(super) a: [u32; BATCH],
