@@ -68,7 +68,7 @@ fn draw_row(panel: &Panel, row: &Row, measurements: &[Measurement]) -> Result<()
     chart
         .configure_series_labels()
         .position(SeriesLabelPosition::UpperLeft)
-        .label_font((FONT, 13))
+        .label_font((FONT, 14))
         .background_style(WHITE)
         .border_style(BLACK.mix(0.3))
         .draw()?;
