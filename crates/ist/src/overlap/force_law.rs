@@ -68,7 +68,7 @@ fn scaled(wrench: &WrenchSum, length: f64) -> WrenchSum {
 }
 
 /// How far the direction is that of a volume gradient of length `gradient` (m²), 0 to 1.
-fn gradient_weight(gradient: f64, volume: f64) -> f64 {
+pub(super) fn gradient_weight(gradient: f64, volume: f64) -> f64 {
     let size = cube_root(volume).max(SQUARABLE);
     let x = (gradient / (size * size * SIGNIFICANT)).clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
