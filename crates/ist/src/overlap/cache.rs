@@ -153,7 +153,7 @@ impl BlockVisitor for ListMaker<'_> {
         let (a, b) = self.trees;
         let start = list.len();
         let balls = self.pose.place(simd, &b.levels[0].blocks[block]);
-        let lanes = BlockLanes::new(simd, &balls, 0.0, block * WIDTH);
+        let lanes = BlockLanes::new(simd, &balls, block * WIDTH);
         for leaf in near {
             let ball = Ball::leaf(simd, &a.leaves[*leaf as usize], self.pose.skin_a);
             if lanes.touches(&ball).any_true() {

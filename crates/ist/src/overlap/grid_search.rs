@@ -145,7 +145,7 @@ impl<'a> GridPair<'a> {
                     keep_near(simd, near_many, few, near_few);
                     for group in few {
                         number_near(simd, near_few, &group.bounds, near_group);
-                        let lanes = BlockLanes::new(simd, &group.balls, 0.0, group.first);
+                        let lanes = BlockLanes::new(simd, &group.balls, group.first);
                         let near = Listed { list: near_few.blocks(), numbers: near_group.indices() };
                         pairs.append(simd, &near, (&lanes, task.of_a), sink);
                     }

@@ -29,6 +29,12 @@ impl<S: Simd> Ball<S> {
         }
     }
 
+    /// The same ball, larger by `thickness`.
+    #[inline(always)]
+    pub(super) fn enlarged(self, thickness: f32) -> Self {
+        Self { radius: self.radius + thickness, ..self }
+    }
+
     #[inline(always)]
     pub(super) fn of(simd: S, block: &BallBlock, lane: usize) -> Self {
         Self {
@@ -51,16 +57,22 @@ pub(super) struct BlockLanes<S: Simd> {
 }
 
 impl<S: Simd> BlockLanes<S> {
-    /// `balls`, each enlarged by `skin`; the first is number `first`.
+    /// `balls`, of which the first is number `first`.
     #[inline(always)]
-    pub(super) fn new(simd: S, balls: &BallBlock, skin: f32, first: usize) -> Self {
+    pub(super) fn new(simd: S, balls: &BallBlock, first: usize) -> Self {
         Self {
             x: f32x8::load_array(simd, balls.x),
             y: f32x8::load_array(simd, balls.y),
             z: f32x8::load_array(simd, balls.z),
-            radius: f32x8::load_array(simd, balls.radius) + skin,
+            radius: f32x8::load_array(simd, balls.radius),
             index: u32x8::load_array(simd, [0, 1, 2, 3, 4, 5, 6, 7]) + first as u32,
         }
+    }
+
+    /// The same balls, each larger by `thickness`.
+    #[inline(always)]
+    pub(super) fn enlarged(self, thickness: f32) -> Self {
+        Self { radius: self.radius + thickness, ..self }
     }
 
     #[inline(always)]
@@ -105,8 +117,16 @@ impl<S: Simd> BlockLanes<S> {
     /// Appends the numbers of the balls in `mask`, and not where they are.
     #[inline(always)]
     pub(super) fn append_index_where(&self, simd: S, mask: mask32x8<S>, list: &mut Tail) {
-        simd.compress_u32x8(self.index, mask).store_slice(&mut list.index[list.len..list.len + WIDTH]);
-        list.len += mask.to_bitmask().count_ones() as usize;
+        list.append_index(simd.compress_u32x8(self.index, mask), mask);
+    }
+}
+
+impl Tail<'_> {
+    /// Appends the numbers in `compressed`, of which `mask` was compressed.
+    #[inline(always)]
+    pub(super) fn append_index<S: Simd>(&mut self, compressed: u32x8<S>, mask: mask32x8<S>) {
+        compressed.store_slice(&mut self.index[self.len..self.len + WIDTH]);
+        self.len += mask.to_bitmask().count_ones() as usize;
     }
 }
 

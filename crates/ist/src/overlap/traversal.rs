@@ -32,7 +32,7 @@ impl<K: PairSink> BlockVisitor for PairFinder<'_, K> {
         let (a, b) = self.trees;
         let near = NearLeaves { leaves: &a.leaves, skin: self.pose.skin_a, positions: near };
         let balls = self.pose.place(simd, &b.levels[0].blocks[block]);
-        let lanes = BlockLanes::new(simd, &balls, 0.0, block * WIDTH);
+        let lanes = BlockLanes::new(simd, &balls, block * WIDTH);
         self.pairs.append(simd, &near, (&lanes, false), self.sink);
     }
 }
@@ -141,7 +141,7 @@ fn descend_alone<S: Simd>(
 ) {
     spare.len = 0;
     list.len = 0;
-    let root = BlockLanes::new(simd, &a.data.root().blocks[0], a.skin, 0);
+    let root = BlockLanes::new(simd, &a.data.root().blocks[0], 0).enlarged(a.skin);
     let mut tail = list.tail();
     root.append_where(simd, root.touches(ball), &mut tail);
     list.len = tail.close();
@@ -195,10 +195,12 @@ fn number_touching<S: Simd>(simd: S, list: &Candidates, ball: &Ball<S>, kept: &m
 fn number_leaves<S: Simd>(simd: S, a: Skinned, parents: &[u32], ball: &Ball<S>, kept: &mut Candidates) {
     let mut tail = kept.tail();
     let blocks = &*a.data.levels[0].blocks;
+    let ball = ball.enlarged(a.skin);
     for parent in parents {
-        let parent = *parent as usize;
-        let block = BlockLanes::new(simd, &blocks[parent], a.skin, parent * WIDTH);
-        block.append_index_where(simd, block.touches(ball), &mut tail);
+        // Numbers within the block are compressed, and its own is added: of the sum the compiler would compress both parts.
+        let block = BlockLanes::new(simd, &blocks[*parent as usize], 0);
+        let mask = block.touches(&ball);
+        tail.append_index(simd.compress_u32x8(block.index, mask) + parent * WIDTH as u32, mask);
     }
     kept.len = tail.len;
 }
@@ -216,7 +218,7 @@ pub(super) fn expand<S: Simd>(
     let blocks = &*a.data.levels[level].blocks;
     for parent in parents {
         let parent = *parent as usize;
-        let block = BlockLanes::new(simd, &blocks[parent], a.skin, parent * WIDTH);
+        let block = BlockLanes::new(simd, &blocks[parent], parent * WIDTH).enlarged(a.skin);
         let mask = block.touches(ball);
         if mask.any_true() {
             block.append_where(simd, mask, &mut tail);

@@ -2,9 +2,11 @@
 //!
 //! The tree is complete, so building it means choosing an order: spheres that stand together in a block of
 //! eight should have a small common ball, and so should eight such blocks, and so on. The order comes from
-//! recursive splits whose left part is always a whole number of full subtrees.
+//! recursive splits whose left part is always a whole number of full subtrees, and from exchanges between the blocks
+//! of leaves, see [`refinement`](super::refinement).
 
 use super::enclosing_ball::enclosing_ball;
+use super::refinement::refine;
 use super::{Balls, WIDTH};
 use crate::InnerSphere;
 use alloc::vec;
@@ -32,6 +34,9 @@ const DIRECTIONS: [Vec3; 13] = [
     Vec3::new(-1.0, 1.0, 1.0),
 ];
 
+/// Steps for the balls of nodes. With 5,000 there are 0.3 % fewer tests of leaves.
+const STEPS: usize = 64;
+
 /// Positions in `balls` in the order of the tree's leaves.
 pub(super) fn clustered_order(balls: &[(Vec3, f32)]) -> Vec<u32> {
     let mut order: Vec<u32> = (0..balls.len() as u32).collect();
@@ -56,6 +61,7 @@ pub(super) fn clustered_order(balls: &[(Vec3, f32)]) -> Vec<u32> {
         pending.push((start, start + left));
         pending.push((start + left, end));
     }
+    refine(&mut order, balls);
     order
 }
 
@@ -110,7 +116,8 @@ pub(super) fn wrapped_levels(leaves: impl Iterator<Item = (Vec3, f32)>) -> Vec<B
         span *= WIDTH;
         let leaves = &levels[0];
         let level = Balls::new((0..count.div_ceil(span)).map(|node| {
-            enclosing_ball((node * span..((node + 1) * span).min(count)).map(|leaf| leaves.get(leaf)))
+            let below = node * span..((node + 1) * span).min(count);
+            enclosing_ball(below.map(|leaf| leaves.get(leaf)), STEPS)
         }));
         levels.push(level);
     }

@@ -13,6 +13,7 @@ mod leaf;
 mod levels;
 #[cfg(feature = "std")]
 mod node_sums;
+mod refinement;
 
 use crate::{InnerSphere, SolidProperties, SphereGrid, SpherePacking};
 use alloc::sync::Arc;

@@ -189,7 +189,7 @@ impl Search<'_, '_> {
             if nodes_b.len() == 1 {
                 balls = lone_ball(&balls, nodes_b.start % WIDTH);
             }
-            let lanes = BlockLanes::new(simd, &balls, 0.0, block * WIDTH);
+            let lanes = BlockLanes::new(simd, &balls, block * WIDTH);
             let positions = children_a.indices();
             let near = NearLeaves { leaves: &query.a.tree.leaves, skin: query.a.skin, positions };
             let waiting = leaf_pairs.len() + self.resolved.totals.pairs as usize;
