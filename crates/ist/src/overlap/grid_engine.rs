@@ -19,7 +19,7 @@ impl Engine {
     /// The grids of both solids, if they are to be used.
     ///
     /// The choice rests on the solids and their pose alone: were it to rest on the number of threads, so would the last bits
-    /// of the result. On one core the grids take 1.6 to 3.2 times the time of the tree where solids overlap wholly, and more
+    /// of the result. On one core the grids take 1.7 to 3.6 times the time of the tree where solids overlap wholly, and more
     /// where they hardly do, as the grids look at every sphere; so they are worth it for large overlaps, and on two cores
     /// only where the solids nearly coincide.
     pub(super) fn grids<'a>(
