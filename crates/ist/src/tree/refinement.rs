@@ -17,8 +17,8 @@ use glam::Vec3;
 /// Blocks at hand that a block exchanges with. With 4: 0.45 / 0.43 / 0.51 and 1.08 / 1.04 / 1.33.
 const NEIGHBORS: usize = 8;
 
-/// Blocks in a row among which neighbours are looked for: a subtree, so that the time of a level stays O(n). With 64 the 10,000 spheres
-/// have 0.43 and 1.04.
+/// Blocks in a row among which neighbours are looked for: a subtree, so that the time of a level stays O(n). With 64 the 10,000
+/// spheres have 0.43 and 1.04.
 const REGION: usize = WIDTH * WIDTH * WIDTH;
 
 /// How often every block is looked at. A third time gains 1 % of the tests, in a fifth more time.
@@ -27,8 +27,8 @@ const PASSES: usize = 2;
 /// Steps for the balls of exchanges that are tried. Of 16 as good, of 4 up to 2 % more tests.
 const STEPS: usize = 8;
 
-// The three below leave out what seldom pays. Halved, as 0.05, 1.1 and 0.3, they leave 1 to 5 % more tests; as 0.2, 1.2 and 1.0 as
-// many, in half as much time again.
+// The three below leave out what seldom pays. Halved, as 0.05, 1.1 and 0.3, they leave 1 to 5 % more tests; as 0.2, 1.2 and 1.0
+// as many, in half as much time again.
 
 /// How far below the surface of its block's ball, in radii of it, a sphere may end whose leaving is tried: centres move when
 /// the others close up.
@@ -40,7 +40,7 @@ const ENTERING: f32 = 1.2;
 /// How far the leaving sphere may stand out of its new block's ball, in radii of the old.
 const STANDING_OUT: f32 = 0.5;
 
-/// Part of the cost below which a gain is rounding.
+/// Part of the cost below which a gain is rounding. Not tuned.
 const ROUNDING: f32 = 1e-4;
 
 type Ball = (Vec3, f32);
