@@ -4,11 +4,12 @@ use super::Engine;
 use super::grid_search::{GridPair, GridScratch, Task};
 use super::relative_pose::RelativePose;
 use super::totals::{Totals, TotalsSink};
-use super::workspace::OverlapWorkspace;
+use super::workspace::{GridWorkspace, OverlapWorkspace};
 use crate::InnerSphereTree;
 use crate::lens::Lens;
 use crate::simd_level::simd_level;
 use crate::tree::TreeData;
+use alloc::vec::Vec;
 use fearless_simd::dispatch;
 use glam::Vec3;
 
@@ -71,37 +72,57 @@ pub(super) fn totals<const STIFFNESS: bool>(
     sum_of_tasks(grids, run, &mut workspace.grid)
 }
 
-#[cfg(not(feature = "parallel"))]
-fn sum_of_tasks(
-    grids: GridPair,
-    run: impl Fn(&Task, &mut GridScratch) -> Totals + Sync,
-    scratch: &mut GridScratch,
-) -> Totals {
-    let mut tasks = core::mem::take(&mut scratch.tasks);
-    grids.list_tasks(&mut tasks);
-    let mut totals = Totals::default();
-    for task in &tasks {
-        totals.add(&run(task, scratch));
-    }
-    scratch.tasks = tasks;
-    totals
-}
-
 /// Tasks on all threads; their sums are added up in their order, so that the result does not depend on the threads.
-#[cfg(feature = "parallel")]
 fn sum_of_tasks(
     grids: GridPair,
     run: impl Fn(&Task, &mut GridScratch) -> Totals + Sync,
-    scratch: &mut GridScratch,
+    workspace: &mut GridWorkspace,
 ) -> Totals {
-    use alloc::vec::Vec;
-    use rayon::prelude::*;
-    grids.list_tasks(&mut scratch.tasks);
-    let parts: Vec<Totals> =
-        scratch.tasks.par_iter().map_init(GridScratch::default, |scratch, task| run(task, scratch)).collect();
+    let GridWorkspace { tasks, parts, workers } = workspace;
+    grids.list_tasks(tasks);
+    parts.clear();
+    parts.resize(tasks.len(), Totals::default());
+    run_all(tasks, parts, run, workers);
     let mut totals = Totals::default();
-    for part in &parts {
+    for part in parts {
         totals.add(part);
     }
     totals
+}
+
+#[cfg(not(feature = "parallel"))]
+fn run_all(
+    tasks: &[Task],
+    parts: &mut [Totals],
+    run: impl Fn(&Task, &mut GridScratch) -> Totals,
+    workers: &mut Vec<GridScratch>,
+) {
+    workers.resize_with(1, GridScratch::default);
+    for (task, part) in tasks.iter().zip(parts) {
+        *part = run(task, &mut workers[0]);
+    }
+}
+
+/// Every thread takes the next task as soon as it has done its last.
+#[cfg(feature = "parallel")]
+fn run_all(
+    tasks: &[Task],
+    parts: &mut [Totals],
+    run: impl Fn(&Task, &mut GridScratch) -> Totals + Sync,
+    workers: &mut Vec<GridScratch>,
+) {
+    use rayon::prelude::*;
+    use std::sync::Mutex;
+    let threads = rayon::current_num_threads();
+    if workers.len() < threads {
+        workers.resize_with(threads, GridScratch::default);
+    }
+    let queue = Mutex::new(tasks.iter().zip(parts));
+    // Poisoned if taking a task panicked, which then goes on in the thread that asked.
+    let next = || queue.lock().ok()?.next();
+    workers[..threads].par_iter_mut().with_max_len(1).for_each(|scratch| {
+        while let Some((task, part)) = next() {
+            *part = run(task, scratch);
+        }
+    });
 }

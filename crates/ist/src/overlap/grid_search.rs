@@ -19,9 +19,9 @@ use glam::{Mat3, Vec3};
 
 /// Groups per task: enough work to be worth handing to another thread, about 500 spheres.
 ///
-/// A solid of 1,000 / 8,000 / 27,000 spheres in itself, in µs: on one thread 68 / 624 / 2,270 with 128 groups, 71 / 618 /
-/// 2,340 with 64, 72 / 640 / 2,350 with 32; on two threads 69 / 336 / 1,210 with 128, 37 / 334 / 1,170 with 64, 42 / 348 /
-/// 1,210 with 32.
+/// A solid of 1,000 / 8,000 / 27,000 spheres in itself, in µs: on one thread 130 / 1,210 / 4,330 with 64 groups, 0 / 6 / 5 %
+/// more with 32; on two threads 71 / 705 / 2,280, the same with 32 as far as the machine's noise shows. With 128, two solids
+/// of 1,000 spheres have too few tasks for two threads: twice the time.
 const TASK: usize = 64;
 
 /// Neighbours whose boxes narrow the list down, first so many at once and then so few, before each group's own box does.
@@ -66,7 +66,6 @@ pub(super) struct GridPair<'a> {
 /// Scratch memory of a search.
 #[derive(Clone, Debug, Default)]
 pub(super) struct GridScratch {
-    pub(super) tasks: Vec<Task>,
     neighbours: Vec<Group>,
     /// The other solid's spheres near all of the neighbours, near [`MANY`] and [`FEW`] of them, and near one group.
     near: Candidates,

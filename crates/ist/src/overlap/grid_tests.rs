@@ -1,5 +1,6 @@
 //! The grids against the tree and against brute force.
 
+use super::grid_search::GridScratch;
 use super::tests::{random_pose, tree};
 use super::*;
 use crate::SpherePacking;
@@ -32,10 +33,9 @@ fn pairs(a: &InnerSphereTree, b: &InnerSphereTree, pose: &Pose3, by: Engine) -> 
             for_each_pair(trees, &pose, &mut workspace, &mut keep);
         }
         Some(grids) => {
-            let mut tasks = Vec::new();
+            let (mut tasks, scratch) = (Vec::new(), &mut GridScratch::default());
             grids.list_tasks(&mut tasks);
             for task in tasks {
-                let scratch = &mut workspace.grid;
                 dispatch!(simd_level(), simd => grids.find_pairs(simd, &task, scratch, &mut keep));
             }
             for [in_b, in_a] in &mut keep.0 {

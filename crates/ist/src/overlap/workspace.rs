@@ -1,22 +1,33 @@
 //! Memory that queries use again and again.
 
-use super::grid_search::GridScratch;
+use super::grid_search::{GridScratch, Task};
 use super::pairs::PairBuffer;
 use super::samples::Lenses;
+use super::totals::Totals;
 use crate::tree::{BallBlock, TreeData, WIDTH};
 use alloc::vec::Vec;
 
 /// Scratch memory of an overlap query; keep one per thread and hand it to every query.
 ///
-/// It grows with the largest pair of trees it has seen and a query
-/// that fits allocates nothing. Its content never affects a result.
+/// It grows with the largest pair of trees it has seen, and a query that fits allocates nothing; grids on several threads, once
+/// each of them has met the longest list. Its content never affects a result.
 #[derive(Clone, Debug, Default)]
 pub struct OverlapWorkspace {
     pub(super) traversal: TraversalScratch,
     pub(super) pairs: PairBuffer,
     pub(super) lenses: Lenses,
-    pub(super) grid: GridScratch,
+    pub(super) grid: GridWorkspace,
     pub(super) patches: crate::patches::Scratch,
+}
+
+/// Memory of a query by grids.
+#[derive(Clone, Debug, Default)]
+pub(super) struct GridWorkspace {
+    pub(super) tasks: Vec<Task>,
+    /// What each of the tasks found.
+    pub(super) parts: Vec<Totals>,
+    /// One for each thread.
+    pub(super) workers: Vec<GridScratch>,
 }
 
 /// Scratch memory of a walk over two trees.
