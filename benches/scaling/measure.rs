@@ -38,6 +38,17 @@ pub(crate) struct Measurement {
     pub(crate) grid_one_thread: f64,
     pub(crate) grid_two_threads: f64,
     pub(crate) tree: f64,
+    /// Two queries of the tree at the same time, one on each thread, which have nothing to do with each other.
+    pub(crate) two_trees: f64,
+}
+
+/// A way to ask.
+#[derive(Clone, Copy)]
+enum Way {
+    Grid,
+    Tree,
+    /// Two queries at once: what two threads come to on this machine, however work is shared.
+    TwoTrees,
 }
 
 impl Pools {
@@ -46,22 +57,41 @@ impl Pools {
         Ok(Self { one: pool(1)?, two: pool(2)? })
     }
 
-    fn ways(&self) -> [(Engine, &ThreadPool); 3] {
-        [(Engine::Grid, &self.one), (Engine::Grid, &self.two), (Engine::Tree, &self.one)]
+    fn ways(&self) -> [(Way, &ThreadPool); 4] {
+        [(Way::Grid, &self.one), (Way::Grid, &self.two), (Way::Tree, &self.one), (Way::TwoTrees, &self.two)]
+    }
+}
+
+/// One for each of two queries at once.
+type Workspaces = [OverlapWorkspace; 2];
+
+impl Way {
+    fn ask(self, (case, pose): (&Case, &Pose3), [first, second]: &mut Workspaces) -> Overlap {
+        match self {
+            Self::Grid => overlap(case, pose, Engine::Grid, first),
+            Self::Tree => overlap(case, pose, Engine::Tree, first),
+            Self::TwoTrees => {
+                rayon::join(
+                    || overlap(case, pose, Engine::Tree, first),
+                    || black_box(overlap(case, pose, Engine::Tree, second)),
+                )
+                .0
+            }
+        }
     }
 }
 
 /// All solids of `row` against themselves, turned by `turn`.
 pub(crate) fn measure(row: &Row, turn: Turn, pools: &Pools) -> Result<Vec<Measurement>, Box<dyn Error>> {
-    let mut workspace = OverlapWorkspace::default();
+    let mut workspaces = Default::default();
     let mut runs = Vec::new();
     for case in &row.cases {
-        runs.push(Run::new(case, turn, pools, &mut workspace)?);
+        runs.push(Run::new(case, turn, pools, &mut workspaces)?);
     }
     for _ in 0..ROUNDS {
         for run in &mut runs {
             for (way, times) in pools.ways().into_iter().zip(&mut run.times) {
-                times.take((run.case, &run.poses), way, &mut workspace);
+                times.take((run.case, &run.poses), way, &mut workspaces);
             }
         }
     }
@@ -74,7 +104,7 @@ struct Run<'a> {
     poses: [Pose3; POSES],
     /// Mean over the poses.
     pairs: f64,
-    times: [Times; 3],
+    times: [Times; 4],
 }
 
 impl<'a> Run<'a> {
@@ -83,29 +113,28 @@ impl<'a> Run<'a> {
         case: &'a Case,
         turn: Turn,
         pools: &Pools,
-        workspace: &mut OverlapWorkspace,
+        workspaces: &mut Workspaces,
     ) -> Result<Self, Box<dyn Error>> {
         let poses = poses(case, turn.angle(case));
-        let (mut pairs, mut times) = (0.0, [Times::default(); 3]);
+        let (mut pairs, mut times) = (0.0, [Times::default(); 4]);
         for pose in &poses {
-            let mut ask = |(engine, pool): (Engine, &ThreadPool)| {
-                pool.install(|| overlap(case, pose, engine, workspace))
-            };
+            let mut ask =
+                |(way, pool): (Way, &ThreadPool)| pool.install(|| way.ask((case, pose), workspaces));
             let results = pools.ways().map(&mut ask);
             check(&results)?;
             pairs += f64::from(results[0].pairs) / POSES as f64;
         }
         for (way, times) in pools.ways().into_iter().zip(&mut times) {
-            times.take((case, &poses), way, workspace);
+            times.take((case, &poses), way, workspaces);
             times.repeats = (ROUND / (times.mean() * POSES as f64)).ceil() as usize;
         }
         Ok(Self { case, poses, pairs, times })
     }
 
     fn measurement(&self) -> Measurement {
-        let [grid_one_thread, grid_two_threads, tree] = self.times.map(|times| times.mean());
+        let [grid_one_thread, grid_two_threads, tree, two_trees] = self.times.map(|times| times.mean());
         let (spheres, pairs) = (self.case.tree.len(), self.pairs);
-        Measurement { spheres, pairs, grid_one_thread, grid_two_threads, tree }
+        Measurement { spheres, pairs, grid_one_thread, grid_two_threads, tree, two_trees }
     }
 }
 
@@ -129,15 +158,15 @@ impl Times {
     fn take(
         &mut self,
         (case, poses): (&Case, &[Pose3; POSES]),
-        (engine, pool): (Engine, &ThreadPool),
-        workspace: &mut OverlapWorkspace,
+        (way, pool): (Way, &ThreadPool),
+        workspaces: &mut Workspaces,
     ) {
         // Inside the pool, so that no query waits for the pool's threads to take it over.
         pool.install(|| {
             for _ in 0..self.repeats {
                 for (pose, least) in poses.iter().zip(&mut self.least) {
                     let start = Instant::now();
-                    black_box(overlap(case, pose, engine, workspace));
+                    black_box(way.ask((case, pose), workspaces));
                     *least = least.min(start.elapsed().as_secs_f64());
                 }
             }
@@ -175,9 +204,12 @@ pub(crate) fn overlap(
 }
 
 /// A time is worth nothing if the result is wrong.
-fn check([one, two, tree]: &[Overlap; 3]) -> Result<(), String> {
+fn check([one, two, tree, at_once]: &[Overlap; 4]) -> Result<(), String> {
     if one != two {
         return Err(format!("the result depends on the threads: {one:?} and {two:?}"));
+    }
+    if tree != at_once {
+        return Err(format!("queries disturb each other: {tree:?} and {at_once:?}"));
     }
     if one.pairs != tree.pairs || (one.volume - tree.volume).abs() > 1e-5 * tree.volume {
         return Err(format!("grids and tree do not agree: {one:?} and {tree:?}"));

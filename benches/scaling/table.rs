@@ -8,17 +8,18 @@ use crate::turn::Turn;
 pub(crate) fn print(row: &Row, turn: Turn, measurements: &[Measurement]) {
     println!("\n{}, {turn}\n", row.name);
     println!(
-        "| spheres | grid, 1 thread | grid, 2 threads | ratio | per sphere | tree | pairs per sphere | levels | bytes per sphere, tree + grid |"
+        "| spheres | grid, 1 thread | grid, 2 threads | ratio | two trees at once, ratio | per sphere | tree | pairs per sphere | levels | bytes per sphere, tree + grid |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|");
     for (case, m) in row.cases.iter().zip(measurements) {
         let bytes = |bytes: usize| bytes as f64 / m.spheres as f64;
         println!(
-            "| {} | {} | {} | {:.2} | {:.0} ns | {} | {:.2} | {} | {:.0} + {:.0} |",
+            "| {} | {} | {} | {:.2} | {:.2} | {:.0} ns | {} | {:.2} | {} | {:.0} + {:.0} |",
             grouped(m.spheres),
             time(m.grid_one_thread),
             time(m.grid_two_threads),
             m.grid_one_thread / m.grid_two_threads,
+            2.0 * m.tree / m.two_trees,
             1e9 * m.per_sphere(m.grid_one_thread),
             time(m.tree),
             m.per_sphere(m.pairs),
