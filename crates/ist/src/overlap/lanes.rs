@@ -130,12 +130,6 @@ impl Tail<'_> {
     }
 }
 
-/// Eight numbers of `array` from `first` on.
-#[inline(always)]
-pub(super) fn load<S: Simd>(simd: S, array: &[f32], first: usize) -> f32x8<S> {
-    f32x8::from_slice(simd, &array[first..first + WIDTH])
-}
-
 /// Lanes of the block at `first` that hold one of the list's `len` balls.
 #[inline(always)]
 pub(super) fn live_lanes<S: Simd>(simd: S, len: usize, first: usize) -> mask32x8<S> {

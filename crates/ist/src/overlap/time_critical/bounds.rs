@@ -11,7 +11,7 @@
 //! Spheres spread evenly over their node's ball, of volume B, would overlap in V_a/B_a · V_b/B_b · L: that is what is
 //! expected, within the bounds.
 
-use super::super::lanes::{live_lanes, load};
+use super::super::lanes::live_lanes;
 use super::super::lens_lanes::{Lanes3, LensLanes, PairLanes};
 use super::super::workspace::Candidates;
 use super::budget::Meter;
@@ -194,6 +194,12 @@ impl<S: Simd> FigureLanes<S> {
             },
         }
     }
+}
+
+/// Eight numbers of `array` from `first` on.
+#[inline(always)]
+fn load<S: Simd>(simd: S, array: &[f32], first: usize) -> f32x8<S> {
+    f32x8::from_slice(simd, &array[first..first + WIDTH])
 }
 
 fn ball_volume(radius: f32) -> f32 {
