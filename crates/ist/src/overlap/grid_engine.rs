@@ -113,7 +113,7 @@ fn run_all(
 ) {
     use rayon::prelude::*;
     use std::sync::Mutex;
-    let threads = rayon::current_num_threads();
+    let threads = rayon::current_num_threads().min(tasks.len());
     if workers.len() < threads {
         workers.resize_with(threads, GridScratch::default);
     }
