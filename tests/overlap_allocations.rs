@@ -1,4 +1,4 @@
-//! Overlap queries ask for no memory once their workspace has grown, on any number of threads.
+//! Overlap queries ask for no memory once their workspace has grown; on several threads, once that of each thread has.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 use glam::Vec3;
