@@ -7,7 +7,7 @@
 
 use super::lanes::{Ball, BlockLanes, live_lanes};
 use super::leaf_lanes::LeafLanes;
-use super::pairs::{NearSpheres, PairBuffer, PairSink};
+use super::pairs::{NearSpheres, PairBuffer, PairSink, SphereBlock};
 use super::relative_pose::RelativePose;
 use super::workspace::{Blocks, Candidates};
 use crate::grid::{GridData, Level};
@@ -144,9 +144,10 @@ impl<'a> GridPair<'a> {
                     keep_near(simd, near_many, few, near_few);
                     for group in few {
                         number_near(simd, near_few, &group.bounds, near_group);
-                        let lanes = BlockLanes::new(simd, &group.balls, group.first);
+                        let balls = BlockLanes::new(simd, &group.balls, 0);
+                        let block = SphereBlock { balls, first: group.first, of_a: task.of_a };
                         let near = Listed { list: near_few.blocks(), numbers: near_group.indices() };
-                        pairs.append(simd, &near, (&lanes, task.of_a), sink);
+                        pairs.append(simd, &near, &block, sink);
                     }
                 }
             }

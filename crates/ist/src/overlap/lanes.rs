@@ -136,3 +136,30 @@ pub(super) fn live_lanes<S: Simd>(simd: S, len: usize, first: usize) -> mask32x8
     let live = (len - first).min(WIDTH);
     mask32x8::from_bitmask(simd, (1 << live) - 1)
 }
+
+/// The numbers of the lanes in `mask`, from the first lane on, and how many there are.
+///
+/// To look them up takes half the instructions of compressing a vector that holds the numbers.
+#[inline(always)]
+pub(super) fn lanes_in<S: Simd>(simd: S, mask: mask32x8<S>) -> (u32x8<S>, usize) {
+    let bits = mask.to_bitmask() as u8;
+    (u32x8::load_array_ref(simd, &LANES_IN[usize::from(bits)]), bits.count_ones() as usize)
+}
+
+/// [`lanes_in`] for every mask, zeros behind.
+static LANES_IN: [[u32; WIDTH]; 1 << WIDTH] = {
+    let mut table = [[0; WIDTH]; 1 << WIDTH];
+    let mut mask = 0;
+    while mask < table.len() {
+        let (mut lane, mut count) = (0, 0);
+        while lane < WIDTH {
+            if mask >> lane & 1 == 1 {
+                table[mask][count] = lane as u32;
+                count += 1;
+            }
+            lane += 1;
+        }
+        mask += 1;
+    }
+    table
+};

@@ -2,7 +2,7 @@
 
 use super::lens_lanes::Lanes3;
 use crate::tree::{Leaf, WIDTH};
-use fearless_simd::{Simd, f32x8, prelude::*};
+use fearless_simd::{Simd, f32x4, f32x8, prelude::*};
 
 /// Eight leaves of a tree, in its frame and without its skin.
 pub(super) struct LeafLanes<S: Simd> {
@@ -13,20 +13,16 @@ pub(super) struct LeafLanes<S: Simd> {
 
 impl<S: Simd> LeafLanes<S> {
     /// The leaves at the eight positions of `index`.
+    ///
+    /// Four and four: eight rows at once are transposed by moves between the halves of vectors, which cost more than
+    /// those within them. Queries of two rabbits take 5 % less time.
     #[inline(always)]
     pub(super) fn gather(simd: S, leaves: &[Leaf], index: &[u32; WIDTH]) -> Self {
-        // Written out, as no vector may pass through a closure.
-        let rows = [
-            row(simd, leaves, index[0]),
-            row(simd, leaves, index[1]),
-            row(simd, leaves, index[2]),
-            row(simd, leaves, index[3]),
-            row(simd, leaves, index[4]),
-            row(simd, leaves, index[5]),
-            row(simd, leaves, index[6]),
-            row(simd, leaves, index[7]),
-        ];
-        let [x, y, z, radius, normal_x, normal_y, normal_z, _] = transposed(rows);
+        let [a, b, c, d, e, f, g, h] = *index;
+        let [low, low_normals] = four(simd, leaves, [a, b, c, d]);
+        let [high, high_normals] = four(simd, leaves, [e, f, g, h]);
+        let [x, y, z, radius] = joined(low, high);
+        let [normal_x, normal_y, normal_z, _] = joined(low_normals, high_normals);
         Self { center: Lanes3 { x, y, z }, radius, normal: Lanes3 { x: normal_x, y: normal_y, z: normal_z } }
     }
 
@@ -38,22 +34,35 @@ impl<S: Simd> LeafLanes<S> {
     }
 }
 
+/// Centres and radii of four leaves; their normals and positions.
 #[inline(always)]
-fn row<S: Simd>(simd: S, leaves: &[Leaf], index: u32) -> f32x8<S> {
-    f32x8::load_array(simd, leaves[index as usize].0)
+fn four<S: Simd>(simd: S, leaves: &[Leaf], [a, b, c, d]: [u32; 4]) -> [[f32x4<S>; 4]; 2] {
+    // Written out, as no vector may pass through a closure.
+    let (a, b) = (halves(simd, leaves, a), halves(simd, leaves, b));
+    let (c, d) = (halves(simd, leaves, c), halves(simd, leaves, d));
+    [transposed([a[0], b[0], c[0], d[0]]), transposed([a[1], b[1], c[1], d[1]])]
 }
 
-/// The columns of eight rows. To interleave the first four rows with the last four moves the number at `8 r + c` to twice
-/// that place, modulo 63; three times is eight times, which is where the number at row c and column r was.
 #[inline(always)]
-fn transposed<S: Simd>(mut rows: [f32x8<S>; WIDTH]) -> [f32x8<S>; WIDTH] {
-    for _ in 0..3 {
-        let [a, b, c, d, e, f, g, h] = rows;
-        let (a, e) = a.interleave(e);
-        let (b, f) = b.interleave(f);
-        let (c, g) = c.interleave(g);
-        let (d, h) = d.interleave(h);
-        rows = [a, e, b, f, c, g, d, h];
+fn halves<S: Simd>(simd: S, leaves: &[Leaf], index: u32) -> [f32x4<S>; 2] {
+    let (halves, _) = leaves[index as usize].0.as_chunks();
+    [f32x4::load_array_ref(simd, &halves[0]), f32x4::load_array_ref(simd, &halves[1])]
+}
+
+/// The columns of four rows. To interleave the first two rows with the last two moves the number at `4 r + c` to twice that
+/// place, modulo 15; two times is four times, which is where the number at row c and column r was.
+#[inline(always)]
+fn transposed<S: Simd>(mut rows: [f32x4<S>; 4]) -> [f32x4<S>; 4] {
+    for _ in 0..2 {
+        let [a, b, c, d] = rows;
+        let (a, c) = a.interleave(c);
+        let (b, d) = b.interleave(d);
+        rows = [a, c, b, d];
     }
     rows
+}
+
+#[inline(always)]
+fn joined<S: Simd>(low: [f32x4<S>; 4], high: [f32x4<S>; 4]) -> [f32x8<S>; 4] {
+    [low[0].combine(high[0]), low[1].combine(high[1]), low[2].combine(high[2]), low[3].combine(high[3])]
 }

@@ -1,6 +1,6 @@
 //! Overlapping pairs of spheres on their way from an engine to a sink.
 
-use super::lanes::{Ball, BlockLanes, live_lanes};
+use super::lanes::{Ball, BlockLanes, lanes_in, live_lanes};
 use crate::tree::{Leaf, WIDTH};
 use fearless_simd::{Simd, mask32x8, prelude::*, u32x8};
 
@@ -22,6 +22,14 @@ pub(super) struct PairBuffer {
     pub(super) a: [u32; BATCH],
     pub(super) b: [u32; BATCH],
     len: usize,
+}
+
+/// Eight spheres of one solid, in A's frame, that stand together in the order of its tree or among the entries of its grid.
+pub(super) struct SphereBlock<S: Simd> {
+    pub(super) balls: BlockLanes<S>,
+    /// Position of the first of them.
+    pub(super) first: usize,
+    pub(super) of_a: bool,
 }
 
 /// Spheres of one solid, in A's frame, that are paired with eight of the other's at a time.
@@ -85,8 +93,8 @@ impl PairBuffer {
         self.len = 0;
     }
 
-    /// Appends the pairs of spheres that overlap, each of `near` with each of `lanes`, which are A's if `of_a`; `sink` takes
-    /// them when the buffer is full.
+    /// Appends the pairs of spheres that overlap, each of `near` with each of `block`; `sink` takes them when the
+    /// buffer is full.
     ///
     /// Nothing here branches on the outcome of a test: most tests hold a hit, and a wrong guess of the processor costs more
     /// than a store of nothing.
@@ -95,22 +103,24 @@ impl PairBuffer {
         &mut self,
         simd: S,
         near: &impl NearSpheres,
-        (lanes, of_a): (&BlockLanes<S>, bool),
+        block: &SphereBlock<S>,
         sink: &mut impl PairSink,
     ) {
         let (mut next, count) = (0, near.count());
+        let first = block.first as u32;
         while next < count {
             // As many tests as there is room for, whatever they find.
             let end = count.min(next + (BATCH - self.len) / WIDTH);
-            let (ours, theirs) = if of_a { (&mut self.a, &mut self.b) } else { (&mut self.b, &mut self.a) };
+            let (ours, theirs) =
+                if block.of_a { (&mut self.a, &mut self.b) } else { (&mut self.b, &mut self.a) };
             // Not in memory: every test needs the length that the one before it has made.
             let mut len = self.len;
             for i in next..end {
                 let (ball, position) = near.get(simd, i);
-                let mask = lanes.touches(&ball);
-                simd.compress_u32x8(lanes.index, mask).store_slice(&mut ours[len..len + WIDTH]);
+                let (hits, found) = lanes_in(simd, block.balls.touches(&ball));
+                (hits + first).store_slice(&mut ours[len..len + WIDTH]);
                 u32x8::splat(simd, position).store_slice(&mut theirs[len..len + WIDTH]);
-                len += mask.to_bitmask().count_ones() as usize;
+                len += found;
             }
             self.len = len;
             next = end;

@@ -4,8 +4,8 @@
 //! meets, on B's own level. A list is filtered by the ball above before its eight children filter it each, so
 //! that most tests run on dense arrays. Both trees descend in step; the taller one starts alone.
 
-use super::lanes::{Ball, BlockLanes};
-use super::pairs::{NearLeaves, PairBuffer, PairSink};
+use super::lanes::{Ball, BlockLanes, lanes_in};
+use super::pairs::{NearLeaves, PairBuffer, PairSink, SphereBlock};
 use super::relative_pose::RelativePose;
 use super::workspace::{Candidates, OverlapWorkspace, Siblings, TraversalScratch};
 use crate::simd_level::simd_level;
@@ -32,8 +32,9 @@ impl<K: PairSink> BlockVisitor for PairFinder<'_, K> {
         let (a, b) = self.trees;
         let near = NearLeaves { leaves: &a.leaves, skin: self.pose.skin_a, positions: near };
         let balls = self.pose.place(simd, &b.levels[0].blocks[block]);
-        let lanes = BlockLanes::new(simd, &balls, block * WIDTH);
-        self.pairs.append(simd, &near, (&lanes, false), self.sink);
+        let block =
+            SphereBlock { balls: BlockLanes::new(simd, &balls, 0), first: block * WIDTH, of_a: false };
+        self.pairs.append(simd, &near, &block, self.sink);
     }
 }
 
@@ -197,10 +198,10 @@ fn number_leaves<S: Simd>(simd: S, a: Skinned, parents: &[u32], ball: &Ball<S>, 
     let blocks = &*a.data.levels[0].blocks;
     let ball = ball.enlarged(a.skin);
     for parent in parents {
-        // Numbers within the block are compressed, and its own is added: of the sum the compiler would compress both parts.
         let block = BlockLanes::new(simd, &blocks[*parent as usize], 0);
-        let mask = block.touches(&ball);
-        tail.append_index(simd.compress_u32x8(block.index, mask) + parent * WIDTH as u32, mask);
+        let (hits, found) = lanes_in(simd, block.touches(&ball));
+        (hits + parent * WIDTH as u32).store_slice(&mut tail.index[tail.len..tail.len + WIDTH]);
+        tail.len += found;
     }
     kept.len = tail.len;
 }

@@ -6,7 +6,7 @@ use glam::Vec3;
 /// One sphere in half a cache line: centre and radius of its volume ball, its outward normal, and the bits of its position in the
 /// order of its tree.
 ///
-/// The spheres of eight pairs are anywhere in the tree. From these, eight loads and a transposition make vectors of their
+/// The spheres of eight pairs are anywhere in the tree. From these, loads and transpositions make vectors of their
 /// coordinates: a query of two rabbits of 1,000 spheres takes 4 to 7 % less time than from arrays of single numbers, with
 /// stiffness 7 to 17 %.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,7 @@
 //! Opening one part of the overlap after the other, until the budget is spent.
 
 use super::super::lanes::{Ball, BlockLanes};
-use super::super::pairs::NearLeaves;
+use super::super::pairs::{NearLeaves, SphereBlock};
 use super::super::totals::{Totals, TotalsSink};
 use super::super::traversal::{Skinned, expand, keep_touching};
 use super::super::workspace::Candidates;
@@ -189,11 +189,12 @@ impl Search<'_, '_> {
             if nodes_b.len() == 1 {
                 balls = lone_ball(&balls, nodes_b.start % WIDTH);
             }
-            let lanes = BlockLanes::new(simd, &balls, block * WIDTH);
+            let block =
+                SphereBlock { balls: BlockLanes::new(simd, &balls, 0), first: block * WIDTH, of_a: false };
             let positions = children_a.indices();
             let near = NearLeaves { leaves: &query.a.tree.leaves, skin: query.a.skin, positions };
             let waiting = leaf_pairs.len() + self.resolved.totals.pairs as usize;
-            leaf_pairs.append(simd, &near, (&lanes, false), &mut self.resolved);
+            leaf_pairs.append(simd, &near, &block, &mut self.resolved);
             let found = leaf_pairs.len() + self.resolved.totals.pairs as usize - waiting;
             return !self.meter.work(children_a.len + found);
         }
