@@ -14,6 +14,7 @@ mod pairs;
 pub(crate) mod parts;
 mod query;
 mod relative_pose;
+mod sample_normals;
 mod samples;
 mod stiffness;
 #[cfg(feature = "std")]

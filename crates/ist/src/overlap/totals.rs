@@ -191,7 +191,7 @@ impl<S: Simd> Lanes3<S> {
     }
 
     #[inline(always)]
-    fn rotate(self, rotation: &Mat3) -> Self {
+    pub(super) fn rotate(self, rotation: &Mat3) -> Self {
         let Mat3 { x_axis, y_axis, z_axis } = *rotation;
         Self {
             x: self.x * x_axis.x + self.y * y_axis.x + self.z * z_axis.x,
