@@ -59,9 +59,9 @@ impl BlockMatrix {
         }
     }
 
-    /// Sets the block in the row and column of one body, and its inverse.
-    pub(crate) fn set_diagonal(&mut self, row: usize, block: Block, inverse: Block) {
-        (self.diagonal[row], self.inverse[row]) = (block, inverse);
+    /// Sets the block in the row and column of one body, which has no eigenvalue below 1.
+    pub(crate) fn set_diagonal(&mut self, row: usize, block: Block) {
+        (self.diagonal[row], self.inverse[row]) = (block, block.inverse());
     }
 
     /// Sets the block of a coupling, in the row of its first and the column of its second body, and the opposite one.
@@ -118,7 +118,7 @@ mod tests {
             let mut m = Symmetric6::ZERO;
             m.add_damper(DMat3::from_diagonal(DVec3::new(30.0, 20.0 + row as f64, 25.0)), DVec3::ONE * 0.1);
             m.angular += DMat3::IDENTITY * 25.0;
-            matrix.set_diagonal(row, Block::from(&m), Block::from(&m.inverse()));
+            matrix.set_diagonal(row, Block::from(&m));
         }
         for index in 0..couplings.len() {
             let k = index as f64;

@@ -181,7 +181,7 @@ impl Island {
             let mut block = block.scaled_by(body.root_linear, body.root_angular) * dt;
             block.linear += DMat3::IDENTITY;
             block.angular += DMat3::IDENTITY;
-            matrix.set_diagonal(index, Block::from(&block), Block::from(&block.inverse()));
+            matrix.set_diagonal(index, Block::from(&block));
         }
     }
 }
@@ -219,7 +219,7 @@ mod tests {
             let previous = i.checked_sub(1).map_or(0.0, |i| gains[i]);
             let diagonal = DMat3::IDENTITY * (1.0 + previous + next);
             let block = Symmetric6 { linear: diagonal, mixed: DMat3::ZERO, angular: diagonal };
-            matrix.set_diagonal(i, Block::from(&block), Block::from(&block.inverse()));
+            matrix.set_diagonal(i, Block::from(&block));
         }
         for (i, gain) in gains.iter().enumerate() {
             let coupling = DMat3::IDENTITY * -gain;
