@@ -42,16 +42,18 @@ impl Block {
         }
     }
 
-    /// Inverse of a symmetric matrix that has no eigenvalue below 1, by the decomposition `L D Lᵀ` with ones on the diagonal of L.
+    /// Inverse of a symmetric matrix that has no eigenvalue below 1, by the decomposition `L D Lᵀ` with ones on the diagonal of L:
+    /// G. H. Golub and C. F. Van Loan, *Matrix Computations* (2013), section 4.1.
     ///
     /// Then no number in D is below 1 either. Where stiff contacts leave less of one than rounding, it counts as 1 or as much as a
-    /// rounding, so that the result is positive definite whatever the matrix, as conjugate gradients need it. By cofactors the inverse for one body between
-    /// contacts of 1e9 was off by more than itself, and the body left the step at 1e26 m/s.
+    /// rounding, so that the result is positive definite whatever the matrix, as conjugate gradients need it. By cofactors the
+    /// inverse for one body between contacts of 1e9 was off by more than itself, and the body left the step at 1e26 m/s.
     pub(crate) fn inverse(&self) -> Self {
         let (mut lower, mut diagonal) = ([[0.0; 6]; 6], [0.0; 6]);
         for j in 0..6 {
             let taken = |i: usize| (0..j).map(|k| lower[i][k] * lower[j][k] * diagonal[k]).sum::<f64>();
             let column: [f64; 6] = std::array::from_fn(|i| self.0[j][i] - taken(i));
+            // Four roundings: not tuned.
             diagonal[j] = column[j].max(1.0).max(4.0 * f64::EPSILON * self.0[j][j]);
             for i in j + 1..6 {
                 lower[i][j] = column[i] / diagonal[j];
