@@ -1,6 +1,8 @@
 //! Times of queries: all sizes and ways in turn, round by round.
 //!
-//! The machine's state then changes for all of them alike. A query follows one at another pose, as the same query a second
+//! The machine's state then changes for all of them alike. Small solids take part in every round, large ones in as many as their
+//! time allows: whether two processors of a virtual machine are two cores or one changes within seconds, and the least of
+//! few short measurements may never have met two. A query follows one at another pose, as the same query a second
 //! time would find a processor that has learnt the branches of 1,000 spheres by heart, and cannot learn those of
 //! 1,000,000. The least time of all rounds counts at each pose, as other programs only ever slow a query down, and the
 //! mean over the poses.
@@ -16,7 +18,10 @@ use std::hint::black_box;
 use std::time::Instant;
 
 /// Spread over the run, as a machine that others use too is slow for seconds.
-const ROUNDS: usize = 8;
+const ROUNDS: usize = 64;
+/// Solids that need more time in a round (s) sit some of them out, but never so many that fewer than a quarter are left.
+const FAIR_SHARE: f64 = 0.2;
+const RAREST: usize = 4;
 /// Axes about which a solid is turned.
 const POSES: usize = 8;
 /// Least time of the queries of a round (s): short ones are repeated.
@@ -88,8 +93,8 @@ pub(crate) fn measure(row: &Row, turn: Turn, pools: &Pools) -> Result<Vec<Measur
     for case in &row.cases {
         runs.push(Run::new(case, turn, pools, &mut workspaces)?);
     }
-    for _ in 0..ROUNDS {
-        for run in &mut runs {
+    for round in 0..ROUNDS {
+        for run in runs.iter_mut().filter(|run| round.is_multiple_of(run.every)) {
             for (way, times) in pools.ways().into_iter().zip(&mut run.times) {
                 times.take((run.case, &run.poses), way, &mut workspaces);
             }
@@ -105,6 +110,8 @@ struct Run<'a> {
     /// Mean over the poses.
     pairs: f64,
     times: [Times; 4],
+    /// It takes part in one of so many rounds.
+    every: usize,
 }
 
 impl<'a> Run<'a> {
@@ -128,7 +135,9 @@ impl<'a> Run<'a> {
             times.take((case, &poses), way, workspaces);
             times.repeats = (ROUND / (times.mean() * POSES as f64)).ceil() as usize;
         }
-        Ok(Self { case, poses, pairs, times })
+        let round: f64 = times.iter().map(|times| times.mean() * (POSES * times.repeats) as f64).sum();
+        let every = ((round / FAIR_SHARE).ceil() as usize).clamp(1, RAREST);
+        Ok(Self { case, poses, pairs, times, every })
     }
 
     fn measurement(&self) -> Measurement {
