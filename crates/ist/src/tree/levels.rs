@@ -46,6 +46,8 @@ impl Balls {
             }
             out.len += 1;
         }
+        // It stays as it is as long as the tree, and room for more balls would be up to half of it.
+        out.blocks.shrink_to_fit();
         out
     }
 
@@ -58,5 +60,20 @@ impl Balls {
     pub(crate) fn get(&self, i: usize) -> (Vec3, f32) {
         let (block, lane) = (&self.blocks[i / WIDTH], i % WIDTH);
         (Vec3::new(block.x[lane], block.y[lane], block.z[lane]), block.radius[lane])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_room_is_left_over() {
+        for count in [1, 8, 9, 1000, 10_000] {
+            let balls = Balls::new((0..count).map(|i| (Vec3::splat(i as f32), 1.0)));
+            assert_eq!(balls.len(), count);
+            assert_eq!(balls.blocks.len(), count.div_ceil(WIDTH));
+            assert_eq!(balls.blocks.capacity(), balls.blocks.len());
+        }
     }
 }
