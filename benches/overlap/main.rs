@@ -66,6 +66,7 @@ fn engines(pair: &MeshPair) -> Result<Vec<Box<dyn Engine>>, Box<dyn Error>> {
     for spheres in [300, 1_000, 3_000, 10_000] {
         engines.push(Box::new(Spheres::tree(pair, spheres)?));
     }
+    engines.push(Box::new(Spheres::cached(pair, 1_000)?));
     for spheres in [300, 1_000, 3_000, 10_000] {
         engines.push(Box::new(Spheres::grid(pair, spheres)?));
     }

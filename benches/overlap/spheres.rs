@@ -4,7 +4,7 @@ use crate::engine::{Answer, Engine};
 use crate::pair::MeshPair;
 use glamx::Pose3;
 use ist::reference::{self, ReferenceOverlap};
-use ist::{InnerSphereTree, Overlap, OverlapQuery, OverlapWorkspace};
+use ist::{InnerSphereTree, Overlap, OverlapCache, OverlapQuery, OverlapWorkspace};
 use std::error::Error;
 use std::time::Instant;
 
@@ -12,6 +12,8 @@ use std::time::Instant;
 pub(crate) struct Spheres {
     name: String,
     query: OverlapQuery,
+    /// What the pair remembers from query to query.
+    cache: Option<OverlapCache>,
     build_seconds: f64,
     trees: [InnerSphereTree; 2],
     workspace: OverlapWorkspace,
@@ -21,6 +23,12 @@ pub(crate) struct Spheres {
 impl Spheres {
     pub(crate) fn tree(pair: &MeshPair, spheres: usize) -> Result<Self, Box<dyn Error>> {
         Self::new(format!("tree, {spheres} spheres"), ist::Engine::Tree, trees(pair, spheres)?)
+    }
+
+    pub(crate) fn cached(pair: &MeshPair, spheres: usize) -> Result<Self, Box<dyn Error>> {
+        let name = format!("tree with a cache, {spheres} spheres");
+        let cache = Some(OverlapCache::default());
+        Ok(Self { cache, ..Self::new(name, ist::Engine::Tree, trees(pair, spheres)?)? })
     }
 
     pub(crate) fn grid(pair: &MeshPair, spheres: usize) -> Result<Self, Box<dyn Error>> {
@@ -38,7 +46,7 @@ impl Spheres {
     ) -> Result<Self, Box<dyn Error>> {
         let query = OverlapQuery { engine, ..OverlapQuery::default() };
         let (workspace, overlap) = Default::default();
-        Ok(Self { name, query, build_seconds, trees, workspace, overlap })
+        Ok(Self { name, query, cache: None, build_seconds, trees, workspace, overlap })
     }
 }
 
@@ -52,7 +60,11 @@ impl Engine for Spheres {
     }
 
     fn query(&mut self, pose: &Pose3) {
-        self.overlap = self.trees[0].overlap_with(&self.trees[1], pose, self.query, &mut self.workspace);
+        let ([a, b], workspace) = (&self.trees, &mut self.workspace);
+        self.overlap = match &mut self.cache {
+            Some(cache) => a.overlap_cached(b, pose, self.query, (cache, workspace)),
+            None => a.overlap_with(b, pose, self.query, workspace),
+        };
     }
 
     fn answer(&self) -> Answer {

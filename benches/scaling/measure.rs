@@ -1,11 +1,13 @@
 //! Times of queries: all sizes and ways in turn, round by round.
 //!
-//! The machine's state then changes for all of them alike. Small solids take part in every round, large ones in as many as their
-//! time allows: whether two processors of a virtual machine are two cores or one changes within seconds, and the least of
-//! few short measurements may never have met two. A query follows one at another pose, as the same query a second
+//! The machine's state then changes for all of them alike. A query follows one at another pose, as the same query a second
 //! time would find a processor that has learnt the branches of 1,000 spheres by heart, and cannot learn those of
 //! 1,000,000. The least time of all rounds counts at each pose, as other programs only ever slow a query down, and the
 //! mean over the poses.
+//!
+//! Whether two processors of a virtual machine are two cores or share one changes within seconds to minutes. How much two
+//! threads gain can only be seen while they are two: a solid is measured until two queries that have nothing to do with each
+//! other have, in each of some sittings, gained that much from running at once.
 
 use crate::solids::{Case, Row};
 use crate::turn::Turn;
@@ -15,17 +17,18 @@ use ist::{Engine, Overlap, OverlapQuery, OverlapWorkspace};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::error::Error;
 use std::hint::black_box;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-/// Spread over the run, as a machine that others use too is slow for seconds.
-///
-/// With 8 rounds for every solid two threads were less than 1.7 times as fast as one in 23 of 39 rows; with these, of the same
-/// code on the same day, in 8.
-const ROUNDS: usize = 64;
-/// Solids that need more time in a round (s) take part in every second, third, or at the least in every [`RAREST`]th, so
-/// that the run takes minutes and not an hour.
-const LONG_ROUND: f64 = 0.2;
-const RAREST: usize = 4;
+/// Least rounds of a sitting, which ends when two independent queries have gained as much as two cores let them.
+const ROUNDS: usize = 8;
+/// Sittings of every solid: with one of 16 rounds, 4 of 39 rows had met two cores for the independent queries and hardly for the
+/// grids.
+const SITTINGS: usize = 3;
+/// How many times as fast as one after the other two independent queries are at once where two processors are two cores: 1.85
+/// to 2.09 for all sizes in minutes in which the machine had two, 1.4 to 1.8 in others.
+const TWO_CORES: f64 = 1.85;
+/// After so long (s) a row ends with what it has, as on a machine with one core.
+const PATIENCE: Duration = Duration::from_secs(300);
 /// Axes about which a solid is turned.
 const POSES: usize = 8;
 /// Least time of the queries of a round (s): short ones are repeated.
@@ -49,6 +52,13 @@ pub(crate) struct Measurement {
     pub(crate) tree: f64,
     /// Two queries of the tree at the same time, one on each thread, which have nothing to do with each other.
     pub(crate) two_trees: f64,
+}
+
+impl Measurement {
+    /// How many times as fast as one after the other two independent queries are at once.
+    pub(crate) fn gain_at_once(&self) -> f64 {
+        2.0 * self.tree / self.two_trees
+    }
 }
 
 /// A way to ask.
@@ -97,11 +107,10 @@ pub(crate) fn measure(row: &Row, turn: Turn, pools: &Pools) -> Result<Vec<Measur
     for case in &row.cases {
         runs.push(Run::new(case, turn, pools, &mut workspaces)?);
     }
-    for round in 0..ROUNDS {
-        for run in runs.iter_mut().filter(|run| round.is_multiple_of(run.every)) {
-            for (way, times) in pools.ways().into_iter().zip(&mut run.times) {
-                times.take((run.case, &run.poses), way, &mut workspaces);
-            }
+    let start = Instant::now();
+    while start.elapsed() < PATIENCE && runs.iter().any(|run| !run.is_over()) {
+        for run in runs.iter_mut().filter(|run| !run.is_over()) {
+            run.take_round(pools, &mut workspaces);
         }
     }
     Ok(runs.iter().map(Run::measurement).collect())
@@ -113,9 +122,11 @@ struct Run<'a> {
     poses: [Pose3; POSES],
     /// Mean over the poses.
     pairs: f64,
+    /// Of all rounds, and of those of the sitting.
     times: [Times; 4],
-    /// It takes part in one of so many rounds.
-    every: usize,
+    sitting: [Times; 4],
+    rounds: usize,
+    sittings: usize,
 }
 
 impl<'a> Run<'a> {
@@ -139,13 +150,32 @@ impl<'a> Run<'a> {
             times.take((case, &poses), way, workspaces);
             times.repeats = (ROUND / (times.mean() * POSES as f64)).ceil() as usize;
         }
-        let round: f64 = times.iter().map(|times| times.mean() * (POSES * times.repeats) as f64).sum();
-        let every = ((round / LONG_ROUND).ceil() as usize).clamp(1, RAREST);
-        Ok(Self { case, poses, pairs, times, every })
+        let sitting = times.map(Times::emptied);
+        Ok(Self { case, poses, pairs, times, sitting, rounds: 0, sittings: 0 })
+    }
+
+    fn is_over(&self) -> bool {
+        self.sittings >= SITTINGS
+    }
+
+    fn take_round(&mut self, pools: &Pools, workspaces: &mut Workspaces) {
+        for (way, times) in pools.ways().into_iter().zip(&mut self.sitting) {
+            times.take((self.case, &self.poses), way, workspaces);
+        }
+        self.times.iter_mut().zip(&self.sitting).for_each(|(all, times)| all.merge(times));
+        self.rounds += 1;
+        if self.rounds >= ROUNDS && self.with(&self.sitting).gain_at_once() >= TWO_CORES {
+            (self.rounds, self.sittings) = (0, self.sittings + 1);
+            self.sitting = self.times.map(Times::emptied);
+        }
     }
 
     fn measurement(&self) -> Measurement {
-        let [grid_one_thread, grid_two_threads, tree, two_trees] = self.times.map(|times| times.mean());
+        self.with(&self.times)
+    }
+
+    fn with(&self, times: &[Times; 4]) -> Measurement {
+        let [grid_one_thread, grid_two_threads, tree, two_trees] = times.map(|times| times.mean());
         let (spheres, pairs) = (self.case.tree.len(), self.pairs);
         Measurement { spheres, pairs, grid_one_thread, grid_two_threads, tree, two_trees }
     }
@@ -184,6 +214,15 @@ impl Times {
                 }
             }
         });
+    }
+
+    /// None yet, for rounds as long.
+    fn emptied(self) -> Self {
+        Self { repeats: self.repeats, ..Self::default() }
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.least.iter_mut().zip(other.least).for_each(|(least, time)| *least = least.min(time));
     }
 
     fn mean(&self) -> f64 {

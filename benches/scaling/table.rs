@@ -19,7 +19,7 @@ pub(crate) fn print(row: &Row, turn: Turn, measurements: &[Measurement]) {
             time(m.grid_one_thread),
             time(m.grid_two_threads),
             m.grid_one_thread / m.grid_two_threads,
-            2.0 * m.tree / m.two_trees,
+            m.gain_at_once(),
             1e9 * m.per_sphere(m.grid_one_thread),
             time(m.tree),
             m.per_sphere(m.pairs),
