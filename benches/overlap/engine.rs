@@ -11,6 +11,9 @@ pub(crate) trait Engine {
     /// Seconds that it took to prepare both solids from their meshes.
     fn build_seconds(&self) -> f64;
 
+    /// Forgets the poses so far: the next one has nothing to do with them.
+    fn jump(&mut self) {}
+
     /// Asks about B at `pose` in A's frame: this is what is timed.
     fn query(&mut self, pose: &Pose3);
 

