@@ -59,6 +59,10 @@ impl Engine for Spheres {
         self.build_seconds
     }
 
+    fn jump(&mut self) {
+        self.cache = self.cache.take().map(|_| OverlapCache::default());
+    }
+
     fn query(&mut self, pose: &Pose3) {
         let ([a, b], workspace) = (&self.trees, &mut self.workspace);
         self.overlap = match &mut self.cache {
