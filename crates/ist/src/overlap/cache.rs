@@ -1,60 +1,54 @@
 //! Temporal coherence: most of a walk over two trees finds what it found a step ago.
 //!
-//! The walk is done with every ball of B enlarged by a margin, and what it found is kept: per block of B's leaves the leaves of
-//! A that meet one of them. As long as no point of B has moved farther than the margin since, the lists hold every pair
-//! that a new walk would find.
+//! The walk is done with every ball of B enlarged by a margin, and the pairs that it found are kept. As long as no point of B has
+//! moved farther than the margin since, they hold every pair that a new walk would find.
 //! After L. Verlet's neighbour lists for molecular dynamics (*Computer "experiments" on classical fluids*, 1967).
 
-use super::lanes::{Ball, BlockLanes};
-use super::pairs::PairSink;
+use super::pairs::{BATCH, PairBuffer, PairSink};
 use super::relative_pose::RelativePose;
-use super::traversal::{BlockVisitor, PairFinder, for_each_block, for_each_pair};
+use super::traversal::for_each_pair;
 use super::workspace::OverlapWorkspace;
 use crate::InnerSphereTree;
 use crate::simd_level::simd_level;
-use crate::tree::{TreeData, WIDTH};
+use crate::tree::TreeData;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::f32::consts::FRAC_1_SQRT_2;
-use fearless_simd::{Simd, dispatch, prelude::*};
+use fearless_simd::{Simd, dispatch};
 use glam::{Mat3, Vec3};
 
-/// Steps that a list should last, at the speed of the last one.
+/// Time of a walk over that of its lenses.
 ///
-/// Two rabbits that move by 1e-4 of their size take 0.66 (1,000 spheres, mid and deep overlap) and 0.29 (little overlap) of a
-/// new walk's time, 0.66 and 0.31 with 10,000 spheres. By 1e-3 it is 0.70 and 0.36 with 1,000; with 10,000, and with faster
-/// motion, trees are walked every time, which takes a little longer than without a cache.
-const STEPS: f32 = 12.0;
-
-/// Largest margin, in mean radii of the balls over blocks of B: wider lists cost more than they save.
-const WIDEST: f32 = 0.5;
+/// Two rabbits of 1,000 spheres that move by 1e-4 of their size take 0.40 / 0.44 / 0.46 of a new walk's time (little, mid and deep
+/// overlap), by 1e-3 0.58 / 0.63 / 0.61, by 3e-3 0.75 / 0.79 / 0.81; with 10,000 spheres by 1e-3 0.7. With half of this or twice as much,
+/// up to 0.05 more.
+const WALK: f32 = 1.5;
 
 /// Room for the rounding of displaced points, relative to their coordinates.
 const ROUNDING: f32 = 4e-6;
 
 /// What a pair of solids remembers from one overlap query to the next, see [`InnerSphereTree::overlap_cached`].
 ///
-/// Keep one per pair of bodies. It takes about 4 bytes for each sphere of A near a block of eight spheres of B, and
-/// holds on to both trees. Its content affects a result by no more than the order in which pairs are added up, about 1e-6 of
+/// Keep one per pair of bodies. It takes 8 bytes for each pair of spheres that overlap or are about to, and holds on to both trees.
+/// Its content affects a result by no more than the order in which pairs are added up, about 1e-6 of
 /// the terms; where equal bits matter, as after a restored snapshot, begin with a new one.
 #[derive(Clone, Debug, Default)]
 pub struct OverlapCache {
-    lists: Lists,
-    /// Where B stood at the last query, whether or not that made lists.
+    list: PairList,
+    /// Where B stood at the last query, whether or not that made a list.
     last: Option<RelativePose>,
     walks: u64,
 }
 
-/// Neighbours of blocks of B's leaves.
+/// The pairs of spheres that overlap or are about to: positions in the orders of both trees.
 #[derive(Clone, Debug, Default)]
-struct Lists {
+struct PairList {
     trees: Option<[Arc<TreeData>; 2]>,
     /// Where B stood, and how far its points may be from there.
     pose: Option<RelativePose>,
     margin: f32,
-    /// Blocks of B's leaves, and where the list of each begins.
-    blocks: Vec<(u32, u32)>,
-    near: Vec<u32>,
+    a: Vec<u32>,
+    b: Vec<u32>,
 }
 
 impl OverlapCache {
@@ -64,7 +58,7 @@ impl OverlapCache {
         self.walks
     }
 
-    /// As [`for_each_pair`], from lists where they hold.
+    /// As [`for_each_pair`], from the list where it holds: then with pairs that do not overlap among the others.
     pub(super) fn for_each_pair(
         &mut self,
         [a, b]: [&InnerSphereTree; 2],
@@ -74,24 +68,21 @@ impl OverlapCache {
     ) {
         let trees = (a.data(), b.data());
         let step = self.last.replace(*pose).map(|last| displacement(trees.1, &last, pose));
-        if !self.lists.hold([a, b], pose) {
+        if !self.list.holds([a, b], pose) {
             self.walks += 1;
-            let margin = step.filter(|_| trees.1.height() > 0).map_or(0.0, |step| STEPS * step);
-            // A body at rest is never quite: a list without any margin would not last.
-            let margin = margin.max(size(trees.1, pose) * 8.0 * ROUNDING);
-            if step.is_none() || trees.1.height() == 0 || margin > WIDEST * block_radius(trees.1, pose) {
-                self.lists.trees = None;
+            let Some(margin) = step.and_then(|step| margin(step, trees, pose)) else {
+                self.list.trees = None;
                 return for_each_pair(trees, pose, workspace, sink);
-            }
-            self.lists.make([a, b], pose, margin, workspace);
+            };
+            self.list.make([a, b], pose, margin, workspace);
         }
-        dispatch!(simd_level(), simd => self.lists.for_each_pair(simd, (trees, pose), workspace, sink));
+        dispatch!(simd_level(), simd => self.list.for_each_pair(simd, &mut workspace.pairs, sink));
     }
 }
 
-impl Lists {
-    /// Whether they were made for these solids and hold where B stands now.
-    fn hold(&self, trees: [&InnerSphereTree; 2], pose: &RelativePose) -> bool {
+impl PairList {
+    /// Whether it was made for these solids and holds where B stands now.
+    fn holds(&self, trees: [&InnerSphereTree; 2], pose: &RelativePose) -> bool {
         let (Some(known), Some(from)) = (&self.trees, &self.pose) else { return false };
         let [a, b] = trees.map(InnerSphereTree::shared);
         let same = Arc::ptr_eq(&known[0], a) && Arc::ptr_eq(&known[1], b);
@@ -106,64 +97,45 @@ impl Lists {
         margin: f32,
         workspace: &mut OverlapWorkspace,
     ) {
-        self.blocks.clear();
-        self.near.clear();
+        self.a.clear();
+        self.b.clear();
         let pair = (trees[0].data(), trees[1].data());
+        // With room for the rounding of this test and of that of the pairs.
         let wide = pose.with_margin(margin + pose.enlargement(pair));
-        let mut maker = ListMaker { trees: pair, pose: &wide, lists: self };
-        let scratch = &mut workspace.traversal;
-        dispatch!(simd_level(), simd => for_each_block(simd, pair, &wide, scratch, &mut maker));
-        self.blocks.push((u32::MAX, self.near.len() as u32));
+        for_each_pair(pair, &wide, workspace, self);
         self.trees = Some(trees.map(InnerSphereTree::shared).map(Arc::clone));
         self.pose = Some(*pose);
         self.margin = margin;
     }
 
     #[inline(always)]
-    fn for_each_pair<S: Simd>(
-        &self,
-        simd: S,
-        (trees, pose): ((&TreeData, &TreeData), &RelativePose),
-        workspace: &mut OverlapWorkspace,
-        sink: &mut impl PairSink,
-    ) {
-        let OverlapWorkspace { pairs, .. } = workspace;
-        pairs.clear();
-        let mut finder = PairFinder { trees, pose, pairs, sink };
-        for list in self.blocks.windows(2) {
-            let [(block, start), (_, end)] = [list[0], list[1]];
-            finder.visit(simd, block as usize, &self.near[start as usize..end as usize]);
+    fn for_each_pair<S: Simd>(&self, simd: S, buffer: &mut PairBuffer, sink: &mut impl PairSink) {
+        for (a, b) in self.a.chunks(BATCH).zip(self.b.chunks(BATCH)) {
+            buffer.fill(a, b);
+            buffer.flush(simd, sink);
         }
-        finder.pairs.flush(simd, finder.sink);
     }
 }
 
-/// Makes lists from a walk.
-struct ListMaker<'a> {
-    trees: (&'a TreeData, &'a TreeData),
-    /// With the margin, and room for the rounding of the lists' test and of that of the pairs.
-    pose: &'a RelativePose,
-    lists: &'a mut Lists,
-}
-
-impl BlockVisitor for ListMaker<'_> {
+impl PairSink for PairList {
     #[inline(always)]
-    fn visit<S: Simd>(&mut self, simd: S, block: usize, near: &[u32]) {
-        let Lists { blocks, near: list, .. } = &mut *self.lists;
-        let (a, b) = self.trees;
-        let start = list.len();
-        let balls = self.pose.place(simd, &b.levels[0].blocks[block]);
-        let lanes = BlockLanes::new(simd, &balls, block * WIDTH);
-        for leaf in near {
-            let ball = Ball::leaf(simd, &a.leaves[*leaf as usize], self.pose.skin_a);
-            if lanes.touches(&ball).any_true() {
-                list.push(*leaf);
-            }
-        }
-        if list.len() > start {
-            blocks.push((block as u32, start as u32));
-        }
+    fn take<S: Simd>(&mut self, _: S, pairs: &PairBuffer) {
+        self.a.extend_from_slice(&pairs.a[..pairs.len()]);
+        self.b.extend_from_slice(&pairs.b[..pairs.len()]);
     }
+}
+
+/// How much larger B is made for a list where it moves by `step` from one query to the next; `None` where it moves so far that no
+/// list pays.
+///
+/// Let w be [`WALK`], s the step, and r the distance at which two spheres touch. A margin m lasts m/s steps, each of which costs
+/// ws/m for the walk and 1 + 3m/r for the lenses, as pairs become more by that. The sum is least with m² = wrs/3, and then less than
+/// the 1 + w of a walk at every step where s < wr/12.
+fn margin(step: f32, (a, b): (&TreeData, &TreeData), pose: &RelativePose) -> Option<f32> {
+    let touching = a.mean_radius + b.mean_radius * pose.scale + pose.skin_a + pose.skin_b;
+    // A body at rest is never quite: a list without any margin would not last.
+    let least = size(b, pose) * 8.0 * ROUNDING;
+    (step < WALK / 12.0 * touching).then(|| (WALK / 3.0 * touching * step).sqrt().max(least))
 }
 
 /// A bound on how far any point of the balls of `b` is in one pose from where it is in another, rounding included.
@@ -182,11 +154,4 @@ fn displacement(b: &TreeData, from: &RelativePose, to: &RelativePose) -> f32 {
 fn size(b: &TreeData, pose: &RelativePose) -> f32 {
     let (center, radius) = b.root().get(0);
     pose.transform_point(center).abs().max_element() + radius * pose.scale
-}
-
-/// Mean radius of the balls over blocks of `b`'s leaves, in A's frame.
-fn block_radius(b: &TreeData, pose: &RelativePose) -> f32 {
-    let level = &b.levels[1];
-    let sum: f32 = level.blocks.iter().flat_map(|block| block.radius).sum();
-    sum / level.len() as f32 * pose.scale + pose.skin_b
 }

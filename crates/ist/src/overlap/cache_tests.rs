@@ -37,7 +37,7 @@ proptest! {
                 _ => {}
             }
         }
-        if step < 1e-3 && b.len() > 8 {
+        if step < 1e-3 {
             prop_assert!(cache.walks() < 16, "{}", cache.walks());
         }
     }

@@ -58,7 +58,7 @@ pub(super) struct PairLanes<S: Simd> {
     pub(super) center_b: Lanes3<S>,
     pub(super) radius_a: f32x8<S>,
     pub(super) radius_b: f32x8<S>,
-    /// Lanes that hold a pair.
+    /// Lanes that hold a pair, overlapping or not.
     pub(super) live: mask32x8<S>,
 }
 
@@ -82,9 +82,11 @@ impl<S: Simd> PairLanes<S> {
     }
 }
 
-/// Eight lenses, in A's frame; all zero in lanes without a pair.
+/// Eight lenses, in A's frame; all zero in lanes without overlapping balls.
 #[derive(Clone, Copy)]
 pub(super) struct LensLanes<S: Simd> {
+    /// Lanes whose balls overlap, by the test of [`super::lanes`] bit for bit.
+    pub(super) overlapping: mask32x8<S>,
     pub(super) volume: f32x8<S>,
     /// Area of the disc inside the intersection circle; zero where one ball contains the other.
     pub(super) area: f32x8<S>,
@@ -109,13 +111,14 @@ impl<S: Simd> LensLanes<S> {
         let PairLanes { center_a, center_b, radius_a: a, radius_b: b, live } = *pairs;
         let delta = center_b.minus(center_a);
         let zero = f32x8::splat(simd, 0.0);
-        let sum = a + b;
+        let (sum, squared) = (a + b, delta.dot(delta));
+        let overlapping = squared.simd_lt(sum * sum) & live;
         // Concentric balls: any small positive distance gives the same clamped heights.
-        let (distance, concentric) = (delta.dot(delta).sqrt(), sum * CONCENTRIC + f32::MIN_POSITIVE);
+        let (distance, concentric) = (squared.sqrt(), sum * CONCENTRIC + f32::MIN_POSITIVE);
         let d = distance.max(concentric);
         let inverse = f32x8::splat(simd, 1.0) / d;
         let axis = delta.scale(inverse);
-        let h = live.select(sum - d, zero);
+        let h = overlapping.select(sum - d, zero);
         let half = h * inverse * 0.5;
         let h_a = (half * (b - a + d)).max(zero).min(a * 2.0);
         let h_b = (half * (a - b + d)).max(zero).min(b * 2.0);
@@ -129,6 +132,7 @@ impl<S: Simd> LensLanes<S> {
         let transverse = disc.select(zero - area * inverse, zero);
         let second = disc.select((a - h_a) * (b - h_b) * inverse * (2.0 * PI), zero);
         Self {
+            overlapping,
             volume,
             area,
             axis,

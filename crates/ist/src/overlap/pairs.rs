@@ -11,7 +11,7 @@ pub(super) trait PairSink {
 }
 
 /// Pairs per batch; no effect on the time was measured from 128 to 512.
-const BATCH: usize = 256;
+pub(super) const BATCH: usize = 256;
 
 /// A batch of overlapping pairs: positions in the orders of both trees, or among the entries of both grids.
 ///
@@ -91,6 +91,13 @@ impl PairBuffer {
 
     pub(super) fn clear(&mut self) {
         self.len = 0;
+    }
+
+    /// Holds nothing but the pairs of `a[i]` and `b[i]`, at most [`BATCH`] of them.
+    pub(super) fn fill(&mut self, a: &[u32], b: &[u32]) {
+        self.len = a.len();
+        self.a[..a.len()].copy_from_slice(a);
+        self.b[..a.len()].copy_from_slice(b);
     }
 
     /// Appends the pairs of spheres that overlap, each of `near` with each of `block`; `sink` takes them when the

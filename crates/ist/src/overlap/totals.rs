@@ -92,9 +92,11 @@ impl<const STIFFNESS: bool> PairSink for TotalsSink<'_, STIFFNESS> {
         let mut outward = gradient;
         let mut stiffness = StiffnessLanes::zero(simd);
         let mut deepest = (f32x8::splat(simd, 0.0), u32x8::splat(simd, 0));
+        let mut overlapping = 0;
         for first in (0..pairs.len()).step_by(WIDTH) {
             let (balls, [of_a, of_b]) = PairLanes::gather(simd, pairs, first, self.leaves, self.pose);
             let lens = LensLanes::new(simd, &balls);
+            overlapping += lens.overlapping.to_bitmask().count_ones();
             volume += lens.volume;
             moment = moment.plus(lens.moment);
             gradient.add(lens.axis, lens.area, balls.center_a.scale(lens.area));
@@ -108,7 +110,7 @@ impl<const STIFFNESS: bool> PairSink for TotalsSink<'_, STIFFNESS> {
         }
         let meet = self.totals.inner_balls_meet || self.inner_balls_meet(pairs);
         let totals = &mut self.totals;
-        totals.pairs += pairs.len() as u32;
+        totals.pairs += overlapping;
         totals.volume += sum(volume);
         totals.moment += moment.sum();
         gradient.add_to(&mut totals.gradient);

@@ -12,21 +12,16 @@ use crate::simd_level::simd_level;
 use crate::tree::{TreeData, WIDTH};
 use fearless_simd::{Simd, dispatch, prelude::*};
 
-/// Takes the leaves of B a block at a time, each with the leaves of A that are near it.
-pub(super) trait BlockVisitor {
-    /// `near` are the leaves of A, by their order, that meet the ball over block `block` of B's leaves: at least one.
-    fn visit<S: Simd>(&mut self, simd: S, block: usize, near: &[u32]);
-}
-
 /// Makes pairs of blocks and their neighbours, for a sink.
-pub(super) struct PairFinder<'a, K> {
-    pub(super) trees: (&'a TreeData, &'a TreeData),
-    pub(super) pose: &'a RelativePose,
-    pub(super) pairs: &'a mut PairBuffer,
-    pub(super) sink: &'a mut K,
+struct PairFinder<'a, K> {
+    trees: (&'a TreeData, &'a TreeData),
+    pose: &'a RelativePose,
+    pairs: &'a mut PairBuffer,
+    sink: &'a mut K,
 }
 
-impl<K: PairSink> BlockVisitor for PairFinder<'_, K> {
+impl<K: PairSink> PairFinder<'_, K> {
+    /// `near` are the leaves of A, by their order, that meet the ball over block `block` of B's leaves: at least one.
     #[inline(always)]
     fn visit<S: Simd>(&mut self, simd: S, block: usize, near: &[u32]) {
         let (a, b) = self.trees;
@@ -57,22 +52,17 @@ fn find_pairs<S: Simd>(
     workspace: &mut OverlapWorkspace,
     sink: &mut impl PairSink,
 ) {
-    let OverlapWorkspace { traversal, pairs, .. } = workspace;
+    let OverlapWorkspace { traversal: scratch, pairs, .. } = workspace;
     pairs.clear();
     let mut finder = PairFinder { trees, pose, pairs, sink };
-    for_each_block(simd, trees, pose, traversal, &mut finder);
+    for_each_block(simd, &mut finder, scratch);
     finder.pairs.flush(simd, finder.sink);
 }
 
-/// Hands every block of B's leaves that has a leaf of A near it to `visitor`, in B's order.
+/// Hands every block of B's leaves that has a leaf of A near it to `finder`, in B's order.
 #[inline(always)]
-pub(super) fn for_each_block<S: Simd>(
-    simd: S,
-    (a, b): (&TreeData, &TreeData),
-    pose: &RelativePose,
-    scratch: &mut TraversalScratch,
-    visitor: &mut impl BlockVisitor,
-) {
+fn for_each_block<S: Simd>(simd: S, finder: &mut PairFinder<impl PairSink>, scratch: &mut TraversalScratch) {
+    let PairFinder { trees: (a, b), pose, .. } = *finder;
     scratch.fit(a, b);
     let TraversalScratch { near, spare, children, blocks } = scratch;
     let top = b.height();
@@ -82,7 +72,7 @@ pub(super) fn for_each_block<S: Simd>(
     descend_alone(simd, (a, top), &Ball::of(simd, &root, 0), spare, &mut children[top]);
     if top == 0 {
         if children[0].len > 0 {
-            visitor.visit(simd, 0, children[0].indices());
+            finder.visit(simd, 0, children[0].indices());
         }
         return;
     }
@@ -121,7 +111,7 @@ pub(super) fn for_each_block<S: Simd>(
             continue;
         }
         if below == 0 {
-            visitor.visit(simd, node, children[0].indices());
+            finder.visit(simd, node, children[0].indices());
         } else {
             let balls = enlarged.place(simd, &b.levels[below].blocks[node]);
             let end = b.levels[below].len().min((node + 1) * WIDTH);

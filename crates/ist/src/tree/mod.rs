@@ -57,6 +57,8 @@ pub(crate) struct TreeData {
     pub(crate) leaves: Vec<Leaf>,
     /// Index in the packing of each sphere of level 0.
     pub(crate) packing_index: Vec<u32>,
+    /// Mean radius of the volume balls.
+    pub(crate) mean_radius: f32,
     /// Sums over the spheres below each node, once a query within a budget has needed them.
     #[cfg(feature = "std")]
     sums: std::sync::OnceLock<NodeSums>,
@@ -78,8 +80,10 @@ impl InnerSphereTree {
         let sorted = || order.iter().map(|&i| &spheres[i as usize]);
         let levels = builder::wrapped_levels(order.iter().map(|&i| balls[i as usize]));
         let leaves = sorted().enumerate().map(|(i, s)| Leaf::new(levels[0].get(i), s.normal, i)).collect();
+        let mean_radius = balls.iter().map(|&(_, radius)| radius).sum::<f32>() / balls.len() as f32;
         let data = TreeData {
             unit,
+            mean_radius,
             #[cfg(feature = "std")]
             sums: std::sync::OnceLock::new(),
             leaves,
