@@ -135,7 +135,7 @@ fn margin(step: f32, (a, b): (&TreeData, &TreeData), pose: &RelativePose) -> Opt
     let touching = a.mean_radius + b.mean_radius * pose.scale + pose.skin_a + pose.skin_b;
     // A body at rest is never quite: a list without any margin would not last.
     let least = size(b, pose) * 8.0 * ROUNDING;
-    (step < WALK / 12.0 * touching).then(|| (WALK / 3.0 * touching * step).sqrt().max(least))
+    (step < WALK / 12.0 * touching).then(|| libm::sqrtf(WALK / 3.0 * touching * step).max(least))
 }
 
 /// A bound on how far any point of the balls of `b` is in one pose from where it is in another, rounding included.

@@ -284,7 +284,7 @@ impl NearSpheres for Listed<'_> {
     }
 
     #[inline(always)]
-    fn get<S: Simd>(&self, simd: S, i: usize) -> (Ball<S>, u32) {
+    fn get<S: Simd>(&self, simd: S, i: usize) -> (Ball<S>, u32x8<S>) {
         let (block, lane) = (self.numbers[i] as usize / WIDTH, self.numbers[i] as usize % WIDTH);
         let ball = Ball {
             x: f32x8::splat(simd, self.list.x[block][lane]),
@@ -292,7 +292,7 @@ impl NearSpheres for Listed<'_> {
             z: f32x8::splat(simd, self.list.z[block][lane]),
             radius: f32x8::splat(simd, self.list.radius[block][lane]),
         };
-        (ball, self.list.index[block][lane])
+        (ball, u32x8::splat(simd, self.list.index[block][lane]))
     }
 }
 

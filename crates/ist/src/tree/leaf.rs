@@ -1,6 +1,7 @@
 //! Spheres as pairs of them are read.
 
 use super::{BallBlock, WIDTH};
+use fearless_simd::{Simd, f32x8, prelude::*, u32x8};
 use glam::Vec3;
 
 /// One sphere in half a cache line: centre and radius of its volume ball, its outward normal, and the bits of its position in the
@@ -25,6 +26,12 @@ impl Leaf {
     /// Position in the order of its tree.
     pub(crate) fn position(&self) -> u32 {
         self.0[7].to_bits()
+    }
+
+    /// [`Self::position`] in every lane, read once more: two instructions less than from a register.
+    #[inline(always)]
+    pub(crate) fn positions<S: Simd>(&self, simd: S) -> u32x8<S> {
+        f32x8::splat(simd, self.0[7]).bitcast()
     }
 
     /// Centre of the volume ball.
