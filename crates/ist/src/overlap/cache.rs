@@ -58,23 +58,35 @@ impl OverlapCache {
         self.walks
     }
 
-    /// As [`for_each_pair`], from the list where it holds: then with pairs that do not overlap among the others.
-    pub(super) fn for_each_pair(
+    /// Makes a list for `pose`, unless the last one holds or none would pay.
+    pub(super) fn move_to(
         &mut self,
         [a, b]: [&InnerSphereTree; 2],
         pose: &RelativePose,
         workspace: &mut OverlapWorkspace,
-        sink: &mut impl PairSink,
     ) {
         let trees = (a.data(), b.data());
         let step = self.last.replace(*pose).map(|last| displacement(trees.1, &last, pose));
-        if !self.list.holds([a, b], pose) {
-            self.walks += 1;
-            let Some(margin) = step.and_then(|step| margin(step, trees, pose)) else {
-                self.list.trees = None;
-                return for_each_pair(trees, pose, workspace, sink);
-            };
-            self.list.make([a, b], pose, margin, workspace);
+        if self.list.holds([a, b], pose) {
+            return;
+        }
+        self.walks += 1;
+        match step.and_then(|step| margin(step, trees, pose)) {
+            Some(margin) => self.list.make([a, b], pose, margin, workspace),
+            None => self.list.trees = None,
+        }
+    }
+
+    /// As [`for_each_pair`], where [`Self::move_to`] has moved: from a list also pairs that do not overlap.
+    pub(super) fn for_each_pair(
+        &self,
+        trees: (&TreeData, &TreeData),
+        pose: &RelativePose,
+        workspace: &mut OverlapWorkspace,
+        sink: &mut impl PairSink,
+    ) {
+        if self.list.trees.is_none() {
+            return for_each_pair(trees, pose, workspace, sink);
         }
         dispatch!(simd_level(), simd => self.list.for_each_pair(simd, &mut workspace.pairs, sink));
     }

@@ -41,6 +41,15 @@ impl ForceLaw {
         }
     }
 
+    /// Whether the wrench depends on [`Totals::outward`], by the other sums.
+    pub(super) fn needs_outward(self, totals: &Totals) -> bool {
+        match self {
+            Self::VolumeGradient => false,
+            Self::OutwardNormals => true,
+            Self::Blended => totals.volume > 0.0 && weight(totals) < 1.0,
+        }
+    }
+
     pub(super) fn wrench(self, totals: &Totals) -> WrenchSum {
         match self {
             Self::VolumeGradient => totals.gradient,
@@ -51,13 +60,20 @@ impl ForceLaw {
 }
 
 fn blended(totals: &Totals) -> WrenchSum {
-    let weight = gradient_weight(totals.gradient.force.length(), totals.volume);
+    let weight = weight(totals);
     let along_gradient = scaled(&totals.gradient, totals.volume * weight);
+    if weight >= 1.0 {
+        return along_gradient;
+    }
     let along_normals = scaled(&totals.outward, totals.volume * (1.0 - weight));
     WrenchSum {
         force: along_gradient.force + along_normals.force,
         torque: along_gradient.torque + along_normals.torque,
     }
+}
+
+fn weight(totals: &Totals) -> f64 {
+    gradient_weight(totals.gradient.force.length(), totals.volume)
 }
 
 /// `wrench` scaled so that its force has length `length`.

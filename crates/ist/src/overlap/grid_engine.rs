@@ -3,7 +3,7 @@
 use super::Engine;
 use super::grid_search::{GridPair, GridScratch, Task};
 use super::relative_pose::RelativePose;
-use super::totals::{Totals, TotalsSink};
+use super::totals::{Extras, Totals, TotalsSink};
 use super::workspace::{GridWorkspace, OverlapWorkspace};
 use crate::InnerSphereTree;
 use crate::lens::Lens;
@@ -54,9 +54,10 @@ fn bounding_balls((a, b): (&TreeData, &TreeData), pose: &RelativePose) -> [(Vec3
 }
 
 /// Sums over all pairs of overlapping spheres.
-pub(super) fn totals<const STIFFNESS: bool>(
+pub(super) fn totals(
     trees: (&TreeData, &TreeData),
     grids: GridPair,
+    extras: Extras,
     workspace: &mut OverlapWorkspace,
 ) -> Totals {
     let [(center_a, radius_a), (center_b, radius_b)] = bounding_balls(trees, grids.pose);
@@ -65,7 +66,7 @@ pub(super) fn totals<const STIFFNESS: bool>(
     }
     let run = |task: &Task, scratch: &mut GridScratch| {
         let entries = [&*grids.a.entries, &*grids.b.entries];
-        let mut sink = TotalsSink::<STIFFNESS>::new(trees, grids.pose).of_entries(entries);
+        let mut sink = TotalsSink::new(trees, grids.pose, extras).of_entries(entries);
         dispatch!(simd_level(), simd => grids.find_pairs(simd, task, scratch, &mut sink));
         sink.totals
     };

@@ -38,7 +38,7 @@ pub(crate) use samples::direction;
 pub use stiffness::StiffnessMatrix;
 #[cfg(feature = "std")]
 pub use time_critical::{Budget, OverlapEstimate, TimeCriticalWorkspace};
-use totals::{Totals, TotalsSink};
+use totals::{Extras, Totals, TotalsSink};
 use traversal::for_each_pair;
 pub use workspace::OverlapWorkspace;
 
@@ -104,11 +104,16 @@ impl InnerSphereTree {
         workspace: &mut OverlapWorkspace,
     ) -> Overlap {
         let Some(pose) = RelativePose::new(self, other, pose) else { return Overlap::default() };
-        let totals = if query.stiffness {
-            totals::<true>([self, other], &pose, query.engine, workspace)
-        } else {
-            totals::<false>([self, other], &pose, query.engine, workspace)
-        };
+        let trees = (self.data(), other.data());
+        let grids = query.engine.grids([self, other], &pose);
+        let totals = totals(query, workspace, |extras, workspace| match grids {
+            Some(grids) => grid_engine::totals(trees, grids, extras, workspace),
+            None => {
+                let mut sink = TotalsSink::new(trees, &pose, extras);
+                for_each_pair(trees, &pose, workspace, &mut sink);
+                sink.totals
+            }
+        });
         Overlap::new(&totals, query, [self, other])
     }
 
@@ -126,15 +131,12 @@ impl InnerSphereTree {
     ) -> Overlap {
         let Some(pose) = RelativePose::new(self, other, pose) else { return Overlap::default() };
         let trees = (self.data(), other.data());
-        let totals = if query.stiffness {
-            let mut sink = TotalsSink::<true>::new(trees, &pose);
-            cache.for_each_pair([self, other], &pose, workspace, &mut sink);
+        cache.move_to([self, other], &pose, workspace);
+        let totals = totals(query, workspace, |extras, workspace| {
+            let mut sink = TotalsSink::new(trees, &pose, extras);
+            cache.for_each_pair(trees, &pose, workspace, &mut sink);
             sink.totals
-        } else {
-            let mut sink = TotalsSink::<false>::new(trees, &pose);
-            cache.for_each_pair([self, other], &pose, workspace, &mut sink);
-            sink.totals
-        };
+        });
         Overlap::new(&totals, query, [self, other])
     }
 
@@ -158,20 +160,22 @@ impl InnerSphereTree {
     }
 }
 
-/// Sums over all pairs of overlapping spheres.
-fn totals<const STIFFNESS: bool>(
-    [a, b]: [&InnerSphereTree; 2],
-    pose: &RelativePose,
-    engine: Engine,
+/// What `query` needs, by `sum`, which adds up all pairs.
+///
+/// Only the other sums tell whether the force comes from outward normals: for [`ForceLaw::Blended`] where one solid is inside the
+/// other. If so, and the last query did not need them, all is summed twice.
+fn totals(
+    query: OverlapQuery,
     workspace: &mut OverlapWorkspace,
+    mut sum: impl FnMut(Extras, &mut OverlapWorkspace) -> Totals,
 ) -> Totals {
-    let trees = (a.data(), b.data());
-    if let Some(grids) = engine.grids([a, b], pose) {
-        return grid_engine::totals::<STIFFNESS>(trees, grids, workspace);
+    let extras = Extras { outward: workspace.outward, stiffness: query.stiffness };
+    let totals = sum(extras, workspace);
+    workspace.outward = query.law.needs_outward(&totals);
+    if workspace.outward && !extras.outward {
+        return sum(Extras { outward: true, ..extras }, workspace);
     }
-    let mut sink = TotalsSink::<STIFFNESS>::new(trees, pose);
-    for_each_pair(trees, pose, workspace, &mut sink);
-    sink.totals
+    totals
 }
 
 impl Overlap {

@@ -125,6 +125,25 @@ proptest! {
         prop_assert!(overlap.force.length() <= overlap.volume * 1.001);
     }
 
+    /// Bit for bit, also where one solid is inside the other and its force comes from outward normals.
+    #[test]
+    fn what_a_workspace_remembers_does_not_matter(
+        a in random_packing(200), b in random_packing(100), pose in random_pose(0.7), scale in 0.1_f32..1.0,
+        law in prop::sample::select(alloc::vec![ForceLaw::VolumeGradient, ForceLaw::OutwardNormals, ForceLaw::Blended]),
+        stiffness in prop::bool::ANY,
+    ) {
+        let (a, b) = (tree(&a).with_grid(), tree(&b).scaled(scale).unwrap().with_grid());
+        let results = [false, true].map(|outward| {
+            [Engine::Tree, Engine::Grid].map(|engine| {
+                let mut workspace = OverlapWorkspace { outward, ..OverlapWorkspace::default() };
+                let query = OverlapQuery { law, stiffness, engine };
+                // As text, which tells any two numbers apart.
+                alloc::format!("{:?}", a.overlap_with(&b, &pose, query, &mut workspace))
+            })
+        });
+        prop_assert_eq!(&results[0], &results[1]);
+    }
+
     #[test]
     fn samples_add_up_to_the_overlap(a in random_packing(100), b in random_packing(100), pose in random_pose(1.0)) {
         let (a, b) = (tree(&a).scaled(0.5).unwrap(), tree(&b));

@@ -26,8 +26,10 @@ pub(super) struct Totals {
     pub(super) moment: DVec3,
     /// Σ A n with the centre-line normals n from A to B: minus the gradient of the volume.
     pub(super) gradient: WrenchSum,
-    /// Σ V (n_A − n_B) with the stored outward normals of both spheres, as one body's hydroelastic field would give.
+    /// Σ V (n_A − n_B) with the stored outward normals of both spheres, as one body's hydroelastic field would give; zero if it
+    /// was not asked for, see [`Extras`].
     pub(super) outward: WrenchSum,
+    /// Zero if it was not asked for.
     pub(super) stiffness: StiffnessSum,
     /// Greatest depth of a pair, and a pair that has it, by positions in the trees' orders.
     pub(super) deepest: Deepest,
@@ -42,19 +44,29 @@ pub(super) struct Deepest {
     pub(super) spheres: [u32; 2],
 }
 
-/// Adds every pair to [`Totals`]; the stiffness, which takes a quarter of the time, only where it is wanted.
-pub(super) struct TotalsSink<'a, const STIFFNESS: bool> {
+/// Sums that not every query needs.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Extras {
+    /// [`Totals::outward`], a tenth of the time of a query with it.
+    pub(super) outward: bool,
+    /// [`Totals::stiffness`], a fifth of it.
+    pub(super) stiffness: bool,
+}
+
+/// Adds every pair that overlaps to [`Totals`].
+pub(super) struct TotalsSink<'a> {
     a: &'a TreeData,
     b: &'a TreeData,
     /// What the numbers of a pair stand for: the leaves of both trees, or the entries of both grids.
     leaves: [&'a [Leaf]; 2],
     pose: &'a RelativePose,
+    extras: Extras,
     pub(super) totals: Totals,
 }
 
-impl<'a, const STIFFNESS: bool> TotalsSink<'a, STIFFNESS> {
-    pub(super) fn new((a, b): (&'a TreeData, &'a TreeData), pose: &'a RelativePose) -> Self {
-        Self { a, b, leaves: [&a.leaves, &b.leaves], pose, totals: Totals::default() }
+impl<'a> TotalsSink<'a> {
+    pub(super) fn new((a, b): (&'a TreeData, &'a TreeData), pose: &'a RelativePose, extras: Extras) -> Self {
+        Self { a, b, leaves: [&a.leaves, &b.leaves], pose, extras, totals: Totals::default() }
     }
 
     /// For pairs of entries of their grids.
@@ -84,9 +96,22 @@ impl<'a, const STIFFNESS: bool> TotalsSink<'a, STIFFNESS> {
     }
 }
 
-impl<const STIFFNESS: bool> PairSink for TotalsSink<'_, STIFFNESS> {
+impl PairSink for TotalsSink<'_> {
     #[inline(always)]
     fn take<S: Simd>(&mut self, simd: S, pairs: &PairBuffer) {
+        let Extras { outward, stiffness } = self.extras;
+        match (outward, stiffness) {
+            (false, false) => self.add::<S, false, false>(simd, pairs),
+            (false, true) => self.add::<S, false, true>(simd, pairs),
+            (true, false) => self.add::<S, true, false>(simd, pairs),
+            (true, true) => self.add::<S, true, true>(simd, pairs),
+        }
+    }
+}
+
+impl TotalsSink<'_> {
+    #[inline(always)]
+    fn add<S: Simd, const OUTWARD: bool, const STIFFNESS: bool>(&mut self, simd: S, pairs: &PairBuffer) {
         let (mut volume, mut moment) = (f32x8::splat(simd, 0.0), Lanes3::zero(simd));
         let mut gradient = WrenchLanes::zero(simd);
         let mut outward = gradient;
@@ -106,7 +131,9 @@ impl<const STIFFNESS: bool> PairSink for TotalsSink<'_, STIFFNESS> {
             let deeper = lens.depth.simd_gt(deepest.0);
             deepest.0 = deeper.select(lens.depth, deepest.0);
             deepest.1 = deeper.select(u32x8::splat(simd, first as u32), deepest.1);
-            outward.add(of_a.minus(of_b.rotate(&self.pose.rotation)), lens.volume, lens.moment);
+            if OUTWARD {
+                outward.add(of_a.minus(of_b.rotate(&self.pose.rotation)), lens.volume, lens.moment);
+            }
         }
         let meet = self.totals.inner_balls_meet || self.inner_balls_meet(pairs);
         let totals = &mut self.totals;
@@ -117,7 +144,9 @@ impl<const STIFFNESS: bool> PairSink for TotalsSink<'_, STIFFNESS> {
         if STIFFNESS {
             stiffness.add_to(&mut totals.stiffness);
         }
-        outward.add_to(&mut totals.outward);
+        if OUTWARD {
+            outward.add_to(&mut totals.outward);
+        }
         totals.inner_balls_meet = meet;
         let (depth, block) = (deepest.0.to_array(), deepest.1.to_array());
         for lane in 0..WIDTH {

@@ -18,6 +18,8 @@ pub struct OverlapWorkspace {
     pub(super) lenses: Lenses,
     pub(super) grid: GridWorkspace,
     pub(super) patches: crate::patches::Scratch,
+    /// Whether the force of the last query came from outward normals: that of the next is likely to.
+    pub(super) outward: bool,
 }
 
 /// Memory of a query by grids.

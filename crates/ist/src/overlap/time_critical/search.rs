@@ -2,7 +2,7 @@
 
 use super::super::lanes::{Ball, BlockLanes};
 use super::super::pairs::{NearLeaves, SphereBlock};
-use super::super::totals::{Totals, TotalsSink};
+use super::super::totals::{Extras, Totals, TotalsSink};
 use super::super::traversal::{Skinned, expand, keep_touching};
 use super::super::workspace::Candidates;
 use super::bounds::{ROW, RowMaker};
@@ -13,9 +13,6 @@ use super::workspace::TimeCriticalWorkspace;
 use crate::tree::{BallBlock, WIDTH};
 use core::ops::Range;
 use fearless_simd::{Simd, f32x8, prelude::*};
-
-/// The sums over resolved pairs; no stiffness, as there is none for what is only expected.
-type Resolved<'a> = TotalsSink<'a, false>;
 
 /// Of a node of B and nodes of A with radii further apart than this only the larger are opened. With 2.5, 4, 8 and no
 /// limit a complete query of two rabbits of 10,000 spheres in mid overlap takes 8301, 6087, 3889 and 3756 visits; with
@@ -47,7 +44,9 @@ pub(super) fn search<S: Simd>(
     workspace: &mut TimeCriticalWorkspace,
 ) -> Found {
     workspace.clear();
-    let resolved = Resolved::new((query.a.tree, query.b.tree), query.pose);
+    // No stiffness, as there is none for what is only expected.
+    let extras = Extras { outward: true, stiffness: false };
+    let resolved = TotalsSink::new((query.a.tree, query.b.tree), query.pose, extras);
     let mut search = Search { query, meter, workspace, resolved };
     let (mut lower, mut upper) = (0.0_f64, f64::INFINITY);
     search.begin(simd);
@@ -82,7 +81,7 @@ struct Search<'s, 'q> {
     query: &'q Query<'q>,
     meter: &'s mut Meter,
     workspace: &'s mut TimeCriticalWorkspace,
-    resolved: Resolved<'q>,
+    resolved: TotalsSink<'q>,
 }
 
 impl Search<'_, '_> {
