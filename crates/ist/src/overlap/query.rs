@@ -12,7 +12,7 @@ use super::ForceLaw;
 pub struct OverlapQuery {
     /// How the force follows from the overlap.
     pub law: ForceLaw,
-    /// Whether to compute [`Overlap::stiffness`](super::Overlap::stiffness); a query takes a quarter longer with it.
+    /// Whether to compute [`Overlap::stiffness`](super::Overlap::stiffness); a query takes a fifth longer with it.
     pub stiffness: bool,
     /// How the overlapping pairs of spheres are found; no effect on the result beyond rounding.
     pub engine: Engine,
