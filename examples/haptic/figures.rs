@@ -14,7 +14,7 @@ pub(crate) struct Summary {
     ticks: usize,
     /// One per phase and query.
     rows: Vec<Row>,
-    /// Of every query the change of the force from one tick to the next relative to the median force: 99th percentile and
+    /// Of every query, in the order of the rows, the change of the force from one tick to the next relative to the median force: 99th percentile and
     /// greatest. A query within a budget that is interrupted early knows little.
     jumps: Vec<[f64; 2]>,
     /// Of every budget, over all phases in which the solids overlap.
@@ -33,11 +33,22 @@ struct Overruns {
     of_clock: [usize; 2],
 }
 
+/// What was asked at every tick.
+#[derive(Clone, Copy)]
+enum Query {
+    Full,
+    Cached,
+    /// Within the budget of this number, and so many microseconds.
+    Within(usize, u64),
+}
+
 /// One query in one phase.
 #[derive(Serialize)]
 struct Row {
     phase: &'static str,
-    /// Budget (µs); none for the full query.
+    /// Whether what a cache remembers was used.
+    cached: bool,
+    /// Budget (µs); none for queries that run to their end.
     budget_us: Option<u64>,
     ticks: usize,
     /// Wall time (µs): median, 99th and 99.9th percentile, greatest.
@@ -56,7 +67,8 @@ struct Row {
 
 impl Summary {
     pub(crate) fn new(a: &InnerSphereTree, b: &InnerSphereTree, budgets: &[u64], ticks: &[Tick]) -> Self {
-        let queries: Vec<Option<usize>> = std::iter::once(None).chain((0..budgets.len()).map(Some)).collect();
+        let within = budgets.iter().enumerate().map(|(number, us)| Query::Within(number, *us));
+        let queries: Vec<Query> = [Query::Full, Query::Cached].into_iter().chain(within).collect();
         let mut rows = Vec::new();
         for (phase, (name, _)) in PHASES.iter().enumerate() {
             let of_phase: Vec<&Tick> = ticks.iter().filter(|tick| tick.phase == phase).collect();
@@ -64,7 +76,7 @@ impl Summary {
                 continue;
             }
             for query in &queries {
-                rows.push(Row::new(name, query.map(|i| (i, budgets[i])), &of_phase));
+                rows.push(Row::new(name, *query, &of_phase));
             }
         }
         let jumps = queries.iter().map(|query| jumps(ticks, |tick| tick.query(*query)));
@@ -89,7 +101,8 @@ impl Summary {
             "phase    budget    median    p99   p99.9     max    median    p99   p99.9     max    wall  processor   wall  processor   median   p95   width",
         )?;
         for row in &self.rows {
-            let budget = row.budget_us.map_or("full".to_owned(), |us| us.to_string());
+            let whole = if row.cached { "cached" } else { "full" };
+            let budget = row.budget_us.map_or(whole.to_owned(), |us| us.to_string());
             let times =
                 |[median, p99, p999, max]: [f64; 4]| format!("{median:9.1} {p99:6.1} {p999:7.1} {max:7.1}");
             let percent = |share: f64| format!("{:.2} %", 100.0 * share);
@@ -109,7 +122,7 @@ impl Summary {
         }
         let jumps: Vec<String> = self.jumps.iter().map(|[p99, max]| format!("{p99:.3} / {max:.3}")).collect();
         print_line(format_args!(
-            "change of the force in a tick, in median forces, p99 / max: {} (full, then by budget)",
+            "change of the force in a tick, in median forces, p99 / max: {} (full, cached, then by budget)",
             jumps.join(", ")
         ))?;
         for overruns in &self.overruns {
@@ -164,22 +177,28 @@ impl Measurement {
 }
 
 impl Tick {
-    /// The query within the budget of this number, or the full query.
-    fn query(&self, number: Option<usize>) -> &Measurement {
-        number.map_or(&self.full, |i| &self.within[i].query)
+    fn query(&self, query: Query) -> &Measurement {
+        match query {
+            Query::Full => &self.full,
+            Query::Cached => &self.cached,
+            Query::Within(number, _) => &self.within[number].query,
+        }
     }
 }
 
 impl Row {
-    fn new(phase: &'static str, budget: Option<(usize, u64)>, ticks: &[&Tick]) -> Self {
-        let number = budget.map(|(number, _)| number);
+    fn new(phase: &'static str, query: Query, ticks: &[&Tick]) -> Self {
+        let budget = match query {
+            Query::Within(number, us) => Some((number, us)),
+            Query::Full | Query::Cached => None,
+        };
         let collect =
             |value: &dyn Fn(&Tick) -> f64| -> Vec<f64> { ticks.iter().map(|tick| value(tick)).collect() };
-        let wall = collect(&|tick| tick.query(number).wall);
-        let processor = collect(&|tick| tick.query(number).on_processor());
+        let wall = collect(&|tick| tick.query(query).wall);
+        let processor = collect(&|tick| tick.query(query).on_processor());
         let relative = |tick: &Tick, value: f64| value / f64::from(tick.full.overlap.volume).max(1e-300);
         let error = collect(&|tick| {
-            relative(tick, f64::from(tick.query(number).overlap.volume - tick.full.overlap.volume).abs())
+            relative(tick, f64::from(tick.query(query).overlap.volume - tick.full.overlap.volume).abs())
         });
         let apart = ticks.iter().all(|tick| tick.full.overlap.volume == 0.0);
         let if_overlapping = |value: f64| if apart { 0.0 } else { value };
@@ -193,6 +212,7 @@ impl Row {
         };
         Self {
             phase,
+            cached: matches!(query, Query::Cached),
             budget_us: budget.map(|(_, us)| us),
             ticks: ticks.len(),
             wall_us: times(&wall),
@@ -201,7 +221,7 @@ impl Row {
             clock_overruns: [clock(|m| m.wall), clock(Measurement::on_processor)],
             volume_error: [0.5, 0.95].map(|share| if_overlapping(percentile(&error, share))),
             interval_width: if_overlapping(percentile(
-                &collect(&|tick| relative(tick, tick.query(number).width())),
+                &collect(&|tick| relative(tick, tick.query(query).width())),
                 0.5,
             )),
         }

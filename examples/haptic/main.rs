@@ -7,7 +7,9 @@ use clap::Parser;
 use figures::{Summary, jumps};
 use glam::{Quat, Vec3};
 use glamx::Pose3;
-use ist::{Budget, InnerSphereTree, Overlap, OverlapWorkspace, TimeCriticalWorkspace};
+use ist::{
+    Budget, InnerSphereTree, Overlap, OverlapCache, OverlapQuery, OverlapWorkspace, TimeCriticalWorkspace,
+};
 use rapier_ist_examples::output::{check_folder_of, exit_code};
 use rapier_ist_examples::pair::{self, Cut, PairSolid};
 use rapier_ist_examples::render::PictureSize;
@@ -17,7 +19,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-/// Moves one solid through another at ticks of 1 ms and measures the full overlap query and queries within a budget.
+/// Moves one solid through another at ticks of 1 ms and measures the full overlap query, with and without what a cache remembers
+/// of the ticks before, and queries within a budget.
 ///
 /// Of every query there is the wall time, and the same without what the thread waited for a processor ("on the
 /// processor"), which is what a machine of one's own would give.
@@ -139,6 +142,11 @@ fn checks(ticks: &[Tick]) -> Vec<Check> {
         tick.within.iter().filter(|within| !holds(within)).count()
     };
     let outside: usize = ticks.iter().map(outside).sum();
+    let off = |tick: &Tick| {
+        let [full, cached] = [tick.full, tick.cached].map(|query| f64::from(query.overlap.volume));
+        (full - cached).abs() > ROUNDING * full
+    };
+    let off = ticks.iter().filter(|tick| off(tick)).count();
     let [_, jump] = jumps(ticks, |tick| &tick.full);
     let smaller = Wanted::AtMost(LARGEST_JUMP_PERCENT);
     vec![
@@ -148,6 +156,7 @@ fn checks(ticks: &[Tick]) -> Vec<Check> {
             "",
             Wanted::AtMost(0.0),
         ),
+        Check::new("volumes that differ with the cache", off as f64, "", Wanted::AtMost(0.0)),
         Check::new("largest change of the force in a tick", 100.0 * jump, "% of the median force", smaller),
     ]
 }
@@ -160,7 +169,7 @@ struct Measurement {
     /// Of it, waiting for a processor (µs).
     waited: f64,
     overlap: Overlap,
-    /// Interval of the volume (m³); empty of a full query.
+    /// Interval of the volume (m³); empty without a budget.
     bounds: [f64; 2],
 }
 
@@ -168,6 +177,7 @@ struct Measurement {
 struct Tick {
     phase: usize,
     full: Measurement,
+    cached: Measurement,
     /// In the order of the budgets.
     within: Vec<Within>,
 }
@@ -188,6 +198,7 @@ fn simulate(a: &InnerSphereTree, b: &InnerSphereTree, budgets: &[u64], arguments
     if !waiting.is_known() {
         eprintln!("the system does not tell how long a thread waits: all times are wall times");
     }
+    let mut cache = OverlapCache::default();
     let count = (arguments.seconds / TICK) as usize;
     let smaller = a.solid().volume.min(b.solid().volume);
     a.prepare_overlap_within();
@@ -204,6 +215,10 @@ fn simulate(a: &InnerSphereTree, b: &InnerSphereTree, budgets: &[u64], arguments
         }
         let pose = pose(a, b, tick as f64 / count as f64);
         let full = measure(&waiting, || (a.overlap(b, &pose, &mut workspace), [0.0; 2]));
+        let cached = measure(&waiting, || {
+            let query = OverlapQuery::default();
+            (a.overlap_cached(b, &pose, query, (&mut cache, &mut workspace)), [0.0; 2])
+        });
         let within = budgets.iter().map(|us| {
             let time = Duration::from_micros(*us);
             let mut ask = || {
@@ -225,7 +240,7 @@ fn simulate(a: &InnerSphereTree, b: &InnerSphereTree, budgets: &[u64], arguments
         });
         let share = f64::from(full.overlap.volume) / smaller;
         let phase = PHASES.iter().position(|(_, most)| share <= *most).unwrap_or(PHASES.len() - 1);
-        ticks.push(Tick { phase, full, within: within.collect() });
+        ticks.push(Tick { phase, full, cached, within: within.collect() });
     }
     ticks
 }
