@@ -14,8 +14,8 @@ pub(crate) struct Summary {
     ticks: usize,
     /// One per phase and query.
     rows: Vec<Row>,
-    /// Of every query, in the order of the rows, the change of the force from one tick to the next relative to the median force: 99th percentile and
-    /// greatest. A query within a budget that is interrupted early knows little.
+    /// Of every query, in the order of the rows, the change of the force from one tick to the next relative to the median
+    /// force: 99th percentile and greatest. A query within a budget that is interrupted early knows little.
     jumps: Vec<[f64; 2]>,
     /// Of every budget, over all phases in which the solids overlap.
     overruns: Vec<Overruns>,

@@ -49,7 +49,7 @@ pub(super) struct Deepest {
 pub(super) struct Extras {
     /// [`Totals::outward`], a tenth of the time of a query with it.
     pub(super) outward: bool,
-    /// [`Totals::stiffness`], a fifth of it.
+    /// [`Totals::stiffness`], a sixth.
     pub(super) stiffness: bool,
 }
 
