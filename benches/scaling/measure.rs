@@ -1,8 +1,8 @@
 //! Times of queries: all sizes and ways in turn, round by round.
 //!
-//! The machine's state then changes for all of them alike. A query follows one at another pose, as the same query a second
-//! time would find a processor that has learnt the branches of 1,000 spheres by heart, and cannot learn those of
-//! 1,000,000. The least time of all rounds counts at each pose, as other programs only ever slow a query down, and the
+//! The machine's state then changes for all of them alike. A query follows those at all other poses, and small solids have
+//! more of them: a processor learns the branches of a few thousand spheres by heart, and cannot learn those of 1,000,000. The
+//! least time of all rounds counts at each pose, as other programs only ever slow a query down, and the
 //! mean over the poses.
 //!
 //! Whether two processors of a virtual machine are two cores or share one changes within seconds to minutes. How much two
@@ -29,8 +29,11 @@ const SITTINGS: usize = 3;
 const TWO_CORES: f64 = 1.85;
 /// After so long (s) a row ends with what it has, as on a machine with one core.
 const PATIENCE: Duration = Duration::from_secs(300);
-/// Axes about which a solid is turned.
+/// Least number of axes about which a solid is turned.
 const POSES: usize = 8;
+/// Least number of spheres in a query times the poses: an Intel processor needs 83 µs for a rabbit of 1,000 spheres that is
+/// asked about one pose again and again, 97 about 8 in turn, and 101 to 105 about 32 to 256; 42, 51 and 53 to 56 with trees.
+const SPHERES: usize = 64_000;
 /// Least time of the queries of a round (s): short ones are repeated.
 const ROUND: f64 = 10e-3;
 
@@ -119,7 +122,7 @@ pub(crate) fn measure(row: &Row, turn: Turn, pools: &Pools) -> Result<Vec<Measur
 /// One solid on its way through the rounds.
 struct Run<'a> {
     case: &'a Case,
-    poses: [Pose3; POSES],
+    poses: Vec<Pose3>,
     /// Mean over the poses.
     pairs: f64,
     /// Of all rounds, and of those of the sitting.
@@ -138,19 +141,20 @@ impl<'a> Run<'a> {
         workspaces: &mut Workspaces,
     ) -> Result<Self, Box<dyn Error>> {
         let poses = poses(case, turn.angle(case));
-        let (mut pairs, mut times) = (0.0, [Times::default(); 4]);
+        let mut pairs = 0.0;
         for pose in &poses {
             let mut ask =
                 |(way, pool): (Way, &ThreadPool)| pool.install(|| way.ask((case, pose), workspaces));
             let results = pools.ways().map(&mut ask);
             check(&results)?;
-            pairs += f64::from(results[0].pairs) / POSES as f64;
+            pairs += f64::from(results[0].pairs) / poses.len() as f64;
         }
+        let mut times = [(); 4].map(|()| Times::new(poses.len()));
         for (way, times) in pools.ways().into_iter().zip(&mut times) {
             times.take((case, &poses), way, workspaces);
-            times.repeats = (ROUND / (times.mean() * POSES as f64)).ceil() as usize;
+            times.repeats = (ROUND / (times.mean() * poses.len() as f64)).ceil() as usize;
         }
-        let sitting = times.map(Times::emptied);
+        let sitting = times.each_ref().map(Times::emptied);
         Ok(Self { case, poses, pairs, times, sitting, rounds: 0, sittings: 0 })
     }
 
@@ -166,7 +170,7 @@ impl<'a> Run<'a> {
         self.rounds += 1;
         if self.rounds >= ROUNDS && self.with(&self.sitting).gain_at_once() >= TWO_CORES {
             (self.rounds, self.sittings) = (0, self.sittings + 1);
-            self.sitting = self.times.map(Times::emptied);
+            self.sitting = self.times.each_ref().map(Times::emptied);
         }
     }
 
@@ -175,32 +179,30 @@ impl<'a> Run<'a> {
     }
 
     fn with(&self, times: &[Times; 4]) -> Measurement {
-        let [grid_one_thread, grid_two_threads, tree, two_trees] = times.map(|times| times.mean());
+        let [grid_one_thread, grid_two_threads, tree, two_trees] = times.each_ref().map(Times::mean);
         let (spheres, pairs) = (self.case.tree.len(), self.pairs);
         Measurement { spheres, pairs, grid_one_thread, grid_two_threads, tree, two_trees }
     }
 }
 
 /// Of one solid in one way.
-#[derive(Clone, Copy)]
 struct Times {
     /// Least time at each pose (s).
-    least: [f64; POSES],
+    least: Vec<f64>,
     /// How often a round goes over the poses.
     repeats: usize,
 }
 
-impl Default for Times {
-    fn default() -> Self {
-        Self { least: [f64::INFINITY; POSES], repeats: 1 }
-    }
-}
-
 impl Times {
+    /// None yet, of so many poses.
+    fn new(poses: usize) -> Self {
+        Self { least: vec![f64::INFINITY; poses], repeats: 1 }
+    }
+
     /// One round.
     fn take(
         &mut self,
-        (case, poses): (&Case, &[Pose3; POSES]),
+        (case, poses): (&Case, &[Pose3]),
         (way, pool): (Way, &ThreadPool),
         workspaces: &mut Workspaces,
     ) {
@@ -217,31 +219,33 @@ impl Times {
     }
 
     /// None yet, for rounds as long.
-    fn emptied(self) -> Self {
-        Self { repeats: self.repeats, ..Self::default() }
+    fn emptied(&self) -> Self {
+        Self { repeats: self.repeats, ..Self::new(self.least.len()) }
     }
 
     fn merge(&mut self, other: &Self) {
-        self.least.iter_mut().zip(other.least).for_each(|(least, time)| *least = least.min(time));
+        self.least.iter_mut().zip(&other.least).for_each(|(least, time)| *least = least.min(*time));
     }
 
     fn mean(&self) -> f64 {
-        self.least.iter().sum::<f64>() / POSES as f64
+        self.least.iter().sum::<f64>() / self.least.len() as f64
     }
 }
 
 /// The solid turned by `angle` (rad) about axes through its centroid, which are spread over a sphere.
-pub(crate) fn poses(case: &Case, angle: f32) -> [Pose3; POSES] {
+pub(crate) fn poses(case: &Case, angle: f32) -> Vec<Pose3> {
     /// Fibonacci's spiral: equal steps along z, and golden angles around it.
     const GOLDEN_ANGLE: f32 = 2.399_963;
     let centroid = case.tree.solid().centroid.as_vec3();
-    std::array::from_fn(|i| {
-        let z = 1.0 - (2.0 * i as f32 + 1.0) / POSES as f32;
+    let count = POSES.max(SPHERES / case.tree.len());
+    let pose = |i| {
+        let z = 1.0 - (2.0 * i as f32 + 1.0) / count as f32;
         let (sin, cos) = (GOLDEN_ANGLE * i as f32).sin_cos();
         let axis = Vec3::new(cos, sin, 0.0) * (1.0 - z * z).sqrt() + Vec3::Z * z;
         let rotation = Rot3::from_axis_angle(axis, angle);
         Pose3::from_parts(centroid - rotation * centroid, rotation)
-    })
+    };
+    (0..count).map(pose).collect()
 }
 
 /// The solid at `pose` in itself.

@@ -13,6 +13,7 @@ use super::workspace::{Blocks, Candidates};
 use crate::grid::{GridData, Level};
 use crate::tree::{BallBlock, Leaf, WIDTH};
 use alloc::vec::Vec;
+use core::cmp::Reverse;
 use core::ops::Range;
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
 use glam::{Mat3, Vec3};
@@ -87,10 +88,13 @@ struct Group {
 
 impl<'a> GridPair<'a> {
     /// Fills `tasks` with all work that there is, always in the same order: along a curve through space, whichever solid and
-    /// level they belong to, so that neighbours find in the cache what they share.
+    /// level they belong to, so that neighbours find in the cache what they share. What is left of every level comes last, the
+    /// largest first, so that threads end at the same time.
     ///
     /// A query of two solids of 1,000,000 spheres takes 12 % less time than with the levels one after another, of 343,000
-    /// 8 %, and of 27,000, all of which the cache holds, the same.
+    /// 8 %, and of 27,000, all of which the cache holds, the same. A second thread makes queries of
+    /// 1,000 spheres 1.68 to 1.88 times as fast, and of 10,000 1.84 to 1.92 times; 1.56 to 1.82 and 1.77 to 1.81 with the rests
+    /// wherever the curve has them.
     pub(super) fn list_tasks(self, tasks: &mut Vec<Task>) {
         tasks.clear();
         for (of_a, grid) in [(false, self.b), (true, self.a)] {
@@ -101,7 +105,9 @@ impl<'a> GridPair<'a> {
                 }));
             }
         }
-        tasks.sort_unstable_by_key(|task| (task.position, task.of_a, task.groups.start));
+        tasks.sort_unstable_by_key(|task| {
+            (Reverse(task.groups.len()), task.position, task.of_a, task.groups.start)
+        });
     }
 
     /// Where along the curve a sphere in the middle of `groups` is.
