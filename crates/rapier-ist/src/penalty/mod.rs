@@ -19,6 +19,7 @@ mod block;
 mod block_matrix;
 mod body;
 mod conjugate_gradients;
+mod damper_sum;
 mod impact;
 mod island;
 mod material;

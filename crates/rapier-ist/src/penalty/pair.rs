@@ -1,6 +1,7 @@
 //! The contact of one pair of bodies inside the penalty solve.
 
 use super::body::SolverBody;
+use super::damper_sum::DamperSum;
 use super::impact::{Impact, ImpactStep};
 use super::material::Material;
 use super::patch::patches;
@@ -11,7 +12,7 @@ use crate::lookahead::Displacement;
 use crate::memory::PairMemory;
 use crate::query::Contact;
 use ist::ContactSample;
-use rapier3d::glamx::{DMat3, DVec3};
+use rapier3d::glamx::DVec3;
 
 /// Contacts that can stop the bodies within a step, `h² k A > STOPS_WITHIN_A_STEP · m`, have their whole rebound in the step
 /// after. Softer ones rebound over several steps by their dissipation.
@@ -106,7 +107,7 @@ impl PairContacts {
                 damping: 0.0,
             };
             let guess = if memory.force > 0.0 {
-                sample.velocity_of(memory.force * sample.push / whole)
+                sample.velocity_of(memory.force * sample.push / whole, velocity.dot(normal))
             } else {
                 sample.guess(gain, free.twist_at(arm).linear.dot(normal))
             };
@@ -164,17 +165,16 @@ impl PairContacts {
         let friction = self.material.friction * self.grip();
         let mut samples = self.samples.iter();
         for patch in &mut self.patches {
-            (patch.offset, patch.damping) = (Screw::ZERO, Symmetric6::ZERO);
+            let (mut offset, mut dampers) = (Screw::ZERO, DamperSum::ZERO);
             for s in samples.by_ref().take(patch.count).filter(|s| s.force > 0.0) {
                 let wanted = self.material.tangent_velocity.reject_from_normalized(s.normal);
                 let slip = (s.slip() - wanted).length();
                 let tangential = friction * s.force / slip.max(self.material.creep_speed);
-                let (n, along) = (s.normal, s.damping - tangential);
-                let outer = DMat3::from_cols(n * (n.x * along), n * (n.y * along), n * (n.z * along));
-                patch.damping.add_damper(outer + DMat3::from_diagonal(DVec3::splat(tangential)), s.arm);
-                let force = n * (s.force + s.damping * s.velocity.dot(n)) + wanted * tangential;
-                patch.offset += Screw { linear: force, angular: s.arm.cross(force) };
+                dampers.add(s.normal, s.arm, [s.damping, tangential]);
+                let force = s.normal * (s.force + s.damping * s.velocity.dot(s.normal)) + wanted * tangential;
+                offset += Screw { linear: force, angular: s.arm.cross(force) };
             }
+            (patch.offset, patch.damping) = (offset, dampers.matrix());
             self.offset += patch.offset;
             self.damping += patch.damping;
         }

@@ -57,7 +57,7 @@ impl Sample {
         let before = self.velocity.dot(self.normal);
         let solved = if self.force > 0.0 { self.force + self.damping * (before - u) } else { 0.0 };
         let (law, _) = self.law(u);
-        let at = if solved > 0.0 { self.velocity_of(solved) } else { u };
+        let at = if solved > 0.0 { self.velocity_of(solved, u) } else { u };
         self.linearize_at(velocity + self.normal * (at - u));
         (solved, law)
     }
@@ -98,19 +98,22 @@ impl Sample {
         greatest.max(0.5 / self.dissipation)
     }
 
-    /// The normal velocity at which the law gives `force`, positive (N).
+    /// The normal velocity at which the law gives `force`, positive (N), looked for from `near` on.
     ///
     /// With `w = √(1 − δ u)`, `s = √(f / k V)` and x linear in w² this is the root of the cubic `w (A + B w²) = s`,
     /// convex and rising where x is positive: Newton's method falls towards it after the first step. The root of x²
     /// alone where δ is not positive.
-    pub(crate) fn velocity_of(&self, force: f64) -> f64 {
+    pub(crate) fn velocity_of(&self, force: f64, near: f64) -> f64 {
         let goal = (force / self.push).sqrt();
         if self.dissipation <= 0.0 {
             return self.moved + 2.0 * (1.0 - goal) / self.rate;
         }
         let b = 0.5 * self.rate / self.dissipation;
         let a = 1.0 + 0.5 * self.rate * self.moved - b;
-        let mut w = (-a / b).max(1.0).sqrt();
+        // Without x at least at the velocity 0, or where x becomes positive.
+        let least = -a / b;
+        let square = 1.0 - self.dissipation * near;
+        let mut w = if square > least && square > 0.0 { square } else { least.max(1.0) }.sqrt();
         for _ in 0..NEWTON_STEPS {
             let square = w * w;
             let residual = w * (a + b * square) - goal;
@@ -174,11 +177,11 @@ mod tests {
         #[test]
         fn the_velocity_of_a_force_has_that_force(
             (rate, moved, dissipation) in (1e-2_f64..1e3, -5.0_f64..5.0, 0.0_f64..50.0),
-            share in 1e-3_f64..30.0,
+            share in 1e-3_f64..30.0, near in -20.0_f64..20.0,
         ) {
             let sample = sample(rate, moved, dissipation);
             let force = share * sample.push;
-            let found = sample.law(sample.velocity_of(force)).0;
+            let found = sample.law(sample.velocity_of(force, near)).0;
             prop_assert!((found / force - 1.0).abs() < 1e-2, "{found} instead of {force}");
         }
     }

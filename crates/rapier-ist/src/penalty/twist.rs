@@ -85,6 +85,7 @@ impl Symmetric6 {
     /// Adds a damper of the given symmetric matrix that sits at `arm` from the point of reference.
     ///
     /// With `u(p) = v + ω×r` the force `D u` makes `A = D`, `B = −D[r]×`, `C = −[r]×D[r]×`.
+    #[cfg(test)]
     pub(crate) fn add_damper(&mut self, damper: DMat3, arm: DVec3) {
         let cross = cross_matrix(arm);
         let mixed = -(damper * cross);
