@@ -56,7 +56,12 @@ impl Impact {
     /// Whether the contact rebounds in a step: bodies that were stopped before it, and those that are stopped early in it.
     pub(crate) fn rebounds(&self, material: &Material, step: &ImpactStep) -> bool {
         let stopped = self.was_stopped(step) || step.end > -0.25 * self.speed;
-        material.restitution > 0.0 && self.speed > 0.0 && !self.rebounded && stopped
+        self.may_rebound(material) && stopped
+    }
+
+    /// Whether the contact rebounds once it is stopped.
+    pub(crate) fn may_rebound(&self, material: &Material) -> bool {
+        material.restitution > 0.0 && self.speed > 0.0 && !self.rebounded
     }
 
     /// The impulse of the rebound. `impulse` is what stopped the bodies including this step, as last solved; `compliance`

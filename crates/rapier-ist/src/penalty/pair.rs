@@ -76,12 +76,12 @@ impl PairContacts {
         let step = ImpactStep { before: mean(before), free: mean(free), end: memory.end };
         let impact = memory.impact.approached(-step.before, material.rebound_speed);
         let dissipation = material.dissipation(impact);
-        let samples = patches.iter().flat_map(|patch| {
+        let in_patches = patches.iter().flat_map(|patch| {
             let push: f64 =
                 patch.samples.iter().map(|s| f64::from(s.volume)).sum::<f64>() * material.stiffness;
             patch.samples.iter().map(move |&s| (s, patch.depth, push))
         });
-        let samples = samples.map(|(s, depth, push)| {
+        let placed = in_patches.map(|(s, depth, push)| {
             let point = s.point.as_dvec3();
             let arm = place(point);
             let normal = s.normal.as_dvec3();
@@ -114,7 +114,9 @@ impl PairContacts {
             sample.linearize_at(velocity + normal * (guess + inward));
             sample
         });
-        let mut samples: Vec<Sample> = samples.collect();
+        // Collected, they would move each time that the vector grows: the iterator does not know how many there are.
+        let mut samples: Vec<Sample> = Vec::with_capacity(contact.samples.len());
+        samples.extend(placed);
         let rebound = memory.rebound.or_else(|| {
             let is_stiff = samples.iter().any(|s| s.stiff);
             let along = memory.impulse * (1.0 / memory.impulse.linear.length());
@@ -239,11 +241,15 @@ impl PairContacts {
 
     /// Whether the pair has come to a stop in the step so early that it should rebound in the same step.
     pub(crate) fn should_rebound(&self, twist: Screw) -> bool {
-        let PairMemory { end, .. } = self.memory(twist);
-        let step = ImpactStep { end, ..self.step };
+        // The memory is a sum over all samples, and most pairs have no impact.
+        let rebounds = || {
+            let PairMemory { end, .. } = self.memory(twist);
+            self.impact.rebounds(&self.material, &ImpactStep { end, ..self.step })
+        };
         self.rebound.is_none()
-            && self.impact.rebounds(&self.material, &step)
+            && self.impact.may_rebound(&self.material)
             && self.samples.iter().any(|s| s.force > 0.0 && s.stiff)
+            && rebounds()
     }
 
     /// How far from the poses at which it was measured the contact is after a step at the relative twist `twist`, in units of
