@@ -42,6 +42,31 @@ impl Block {
         }
     }
 
+    /// `selfᵀ · v`.
+    #[inline]
+    pub(crate) fn transposed_times(&self, v: &[f64; 6]) -> [f64; 6] {
+        std::array::from_fn(|i| self.0[i].iter().zip(v).map(|(a, b)| a * b).sum())
+    }
+
+    /// `self · other`.
+    pub(crate) fn product(&self, other: &Self) -> Self {
+        Self(other.0.map(|column| self.times(&column)))
+    }
+
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.combine(other, 1.0);
+    }
+
+    pub(crate) fn subtract(&mut self, other: &Self) {
+        self.combine(other, -1.0);
+    }
+
+    fn combine(&mut self, other: &Self, factor: f64) {
+        for (sum, column) in self.0.iter_mut().zip(&other.0) {
+            sum.iter_mut().zip(column).for_each(|(sum, value)| *sum += factor * value);
+        }
+    }
+
     /// Inverse of a symmetric matrix that has no eigenvalue below 1, by the decomposition `L D Lᵀ` with ones on the diagonal of L:
     /// G. H. Golub and C. F. Van Loan, *Matrix Computations* (2013), section 4.1.
     ///

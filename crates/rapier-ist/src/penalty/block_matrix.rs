@@ -2,6 +2,13 @@
 //! Sparse Linear Systems* (2003), section 10.2.
 
 use super::block::Block;
+use super::elimination::{Elimination, Factors};
+
+/// A matrix is factored where that takes no longer than so many iterations of conjugate gradients.
+///
+/// A chain of 12 rings, a pile of 40 bodies: 18 and 15 % fewer instructions in a step than without, with 8, 16 and 32. A pile of 250
+/// bodies: 14 instead of 20 ms a step (median), 61 / 64 / 55 / 53 ms at its worst (95 %) with 0 / 8 / 16 / 32. Of 700: the same.
+const CHEAP: usize = 16;
 
 /// A symmetric positive definite matrix with a block for every body and for every pair that is coupled.
 ///
@@ -9,12 +16,15 @@ use super::block::Block;
 #[derive(Debug)]
 pub(crate) struct BlockMatrix {
     diagonal: Vec<Block>,
-    /// Inverse blocks of the diagonal.
+    /// Inverse blocks of the diagonal, where the matrix is not factored.
     inverse: Vec<Block>,
     rows: Vec<Row>,
     entries: Vec<Entry>,
     /// Where the blocks of each coupling are, in the row of the first body and in that of the second.
     places: Vec<[usize; 2]>,
+    /// How to factor the matrix, and its factors, where that is done.
+    elimination: Option<Elimination>,
+    factors: Option<Factors>,
 }
 
 /// The off-diagonal blocks of one row, as ranges of entries: `start..middle` are left of the diagonal.
@@ -50,18 +60,50 @@ impl BlockMatrix {
             middle: position(row, row),
             end: position(row + 1, 0),
         });
-        Self {
+        let mut matrix = Self {
             diagonal: vec![Block::ZERO; size],
-            inverse: vec![Block::ZERO; size],
+            inverse: Vec::new(),
             rows: rows.collect(),
             entries: order.iter().map(|&(_, column, ..)| Entry { column, block: Block::ZERO }).collect(),
             places,
+            elimination: None,
+            factors: None,
+        };
+        matrix.elimination = matrix.elimination_within(CHEAP);
+        matrix
+    }
+
+    /// How to factor the matrix at no more than the cost of so many iterations of conjugate gradients.
+    ///
+    /// Without couplings the other preconditioner is exact.
+    fn elimination_within(&self, iterations: usize) -> Option<Elimination> {
+        if self.entries.is_empty() {
+            return None;
         }
+        // An iteration takes every block twice, for the product and for the preconditioner; a product of blocks is six of vectors.
+        let most = iterations * 2 * (self.diagonal.len() + self.entries.len()) / 6;
+        let couplings = self.rows.iter().enumerate().flat_map(|(row, of_row)| {
+            self.entries[of_row.start..of_row.middle].iter().map(move |entry| [row, entry.column])
+        });
+        Elimination::new(self.diagonal.len(), &couplings.collect::<Vec<_>>(), most)
+    }
+
+    /// Prepares the preconditioner for the blocks as they are set now.
+    pub(crate) fn prepare(&mut self) {
+        let Some(elimination) = &self.elimination else {
+            self.inverse.clear();
+            self.inverse.extend(self.diagonal.iter().map(Block::inverse));
+            return;
+        };
+        let entries = self.rows.iter().enumerate().flat_map(|(row, of_row)| {
+            self.entries[of_row.start..of_row.end].iter().map(move |entry| (row, entry.column, &entry.block))
+        });
+        self.factors = Some(elimination.factors(&self.diagonal, entries));
     }
 
     /// Sets the block in the row and column of one body, which has no eigenvalue below 1.
     pub(crate) fn set_diagonal(&mut self, row: usize, block: Block) {
-        (self.diagonal[row], self.inverse[row]) = (block, block.inverse());
+        self.diagonal[row] = block;
     }
 
     /// Sets the block of a coupling, in the row of its first and the column of its second body, and the opposite one.
@@ -80,9 +122,12 @@ impl BlockMatrix {
         }
     }
 
-    /// Solves `(D + L) D⁻¹ (D + Lᵀ) z = r` with the diagonal D and all that is left of it, L: one sweep of Gauss–Seidel
-    /// forwards and one backwards.
+    /// Solves for `z` by the factors of the matrix, if there are any. Else `(D + L) D⁻¹ (D + Lᵀ) z = r` with the diagonal D and
+    /// all that is left of it, L: one sweep of Gauss–Seidel forwards and one backwards.
     pub(crate) fn precondition(&self, r: &[[f64; 6]], z: &mut [[f64; 6]]) {
+        if let (Some(elimination), Some(factors)) = (&self.elimination, &self.factors) {
+            return elimination.solve(factors, r, z);
+        }
         for (i, row) in self.rows.iter().enumerate() {
             let mut sum = [0.0; 6];
             self.add_entries(row.start..row.middle, z, &mut sum);
@@ -108,6 +153,7 @@ impl BlockMatrix {
 mod tests {
     use super::*;
     use crate::penalty::twist::Symmetric6;
+    use proptest::prelude::*;
     use rapier3d::glamx::{DMat3, DVec3};
 
     /// A diagonally dominant matrix of four bodies and five couplings, two of them between the same bodies.
@@ -125,6 +171,8 @@ mod tests {
             let q = |s: f64| DMat3::from_cols(DVec3::new(s, k, 1.0), DVec3::new(0.3, -s, 0.1), DVec3::ONE);
             matrix.set_coupling(index, Block::new([[q(0.5), q(-1.0)], [q(0.2), q(1.5)]]));
         }
+        matrix.elimination = None;
+        matrix.prepare();
         (matrix, couplings)
     }
 
@@ -154,6 +202,55 @@ mod tests {
                 let bodies = [i / 6, j / 6];
                 let coupled = couplings.iter().any(|c| *c == bodies || *c == [bodies[1], bodies[0]]);
                 assert!(bodies[0] == bodies[1] || coupled || *value == 0.0, "{i} {j}");
+            }
+        }
+    }
+
+    #[test]
+    fn factors_solve_the_system() {
+        let (mut matrix, _) = sample();
+        matrix.elimination = matrix.elimination_within(1000);
+        matrix.prepare();
+        assert!(matrix.factors.is_some());
+        for (i, column) in columns(|v, out| matrix.times(v, out)).iter().enumerate() {
+            let column: Vec<[f64; 6]> = column.as_chunks().0.to_vec();
+            let mut solved = vec![[0.0; 6]; 4];
+            matrix.precondition(&column, &mut solved);
+            for (j, value) in solved.as_flattened().iter().enumerate() {
+                assert!((value - f64::from(u8::from(i == j))).abs() < 1e-12, "{i} {j} {value}");
+            }
+        }
+    }
+
+    proptest! {
+        /// Whatever is coupled with what, and what elimination couples besides.
+        #[test]
+        fn factors_solve_systems_of_any_shape(
+            pairs in prop::collection::vec((0..12_usize, 0..12_usize, 0.0_f64..100.0, -1.0_f64..1.0), 1..40),
+        ) {
+            let pairs: Vec<_> = pairs.into_iter().filter(|(a, b, ..)| a != b).collect();
+            let couplings: Vec<[usize; 2]> = pairs.iter().map(|&(a, b, ..)| [a, b]).collect();
+            let mut matrix = BlockMatrix::new(12, &couplings);
+            let mut diagonal = [Block::from(&(Symmetric6 { linear: DMat3::IDENTITY, mixed: DMat3::ZERO, angular: DMat3::IDENTITY })); 12];
+            for (index, (a, b, gain, arm)) in pairs.into_iter().enumerate() {
+                let mut m = Symmetric6::ZERO;
+                m.add_damper(DMat3::IDENTITY * gain, DVec3::new(arm, 0.5, -arm * arm));
+                let block = Block::from(&m);
+                let mut opposite = Block::ZERO;
+                opposite.subtract(&block);
+                [a, b].into_iter().for_each(|body| diagonal[body].add(&block));
+                matrix.set_coupling(index, opposite);
+            }
+            diagonal.into_iter().enumerate().for_each(|(row, block)| matrix.set_diagonal(row, block));
+            matrix.elimination = matrix.elimination_within(1000);
+            matrix.prepare();
+            let expected: Vec<[f64; 6]> = (0..12).map(|i| std::array::from_fn(|k| libm::sin((7 * i + k) as f64))).collect();
+            let (mut image, mut solved) = (vec![[0.0; 6]; 12], vec![[0.0; 6]; 12]);
+            matrix.times(&expected, &mut image);
+            matrix.precondition(&image, &mut solved);
+            prop_assert!(matrix.factors.is_some() || couplings.is_empty());
+            for (solved, expected) in solved.as_flattened().iter().zip(expected.as_flattened()) {
+                prop_assert!((solved - expected).abs() < 1e-10, "{solved} instead of {expected}");
             }
         }
     }

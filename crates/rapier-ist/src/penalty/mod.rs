@@ -20,6 +20,7 @@ mod block_matrix;
 mod body;
 mod conjugate_gradients;
 mod damper_sum;
+mod elimination;
 mod impact;
 mod island;
 mod material;
