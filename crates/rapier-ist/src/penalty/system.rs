@@ -217,16 +217,20 @@ mod tests {
         (1..bodies).flat_map(|i| (0..i).map(move |j| [j, i])).collect()
     }
 
-    /// `I + h Lᵀ S L` of bodies that dampers hold to each other; every third weighs `gain` against the masses, the others a
-    /// hundredth and a ten-thousandth of it.
-    fn damped(bodies: usize, couplings: &[[usize; 2]], gain: f64) -> BlockMatrix {
+    /// `I + h Lᵀ S L` of bodies that dampers hold to each other, and one that holds the first body. Each weighs as much against the
+    /// masses as its number says.
+    fn damped(
+        bodies: usize,
+        couplings: &[[usize; 2]],
+        gains: impl Fn(usize) -> f64,
+        first: f64,
+    ) -> BlockMatrix {
         let mut matrix = BlockMatrix::new(bodies, couplings);
         let mut diagonal = vec![1.0; bodies];
-        for (index, [a, b]) in couplings.iter().enumerate() {
-            let gain = gain * [1e-2, 1e-4, 1.0][index % 3];
-            diagonal[*a] += gain;
-            diagonal[*b] += gain;
-            let coupling = DMat3::IDENTITY * -gain;
+        diagonal[0] += first;
+        for (index, pair) in couplings.iter().enumerate() {
+            pair.iter().for_each(|&body| diagonal[body] += gains(index));
+            let coupling = DMat3::IDENTITY * -gains(index);
             matrix.set_coupling(index, Block::new([[coupling, DMat3::ZERO], [DMat3::ZERO, coupling]]));
         }
         for (i, diagonal) in diagonal.into_iter().enumerate() {
@@ -259,7 +263,7 @@ mod tests {
         // The first is factored, the second too expensive for that.
         for (bodies, couplings) in [(24, row(24)), (40, all(40))] {
             for gain in [1e0, 1e2, 1e4, 1e6] {
-                let matrix = damped(bodies, &couplings, gain);
+                let matrix = damped(bodies, &couplings, |i| gain * [1e-2, 1e-4, 1.0][i % 3], 0.0);
                 let (rhs, expected) = problem(&matrix, bodies);
                 let mut solved = vec![[0.0; 6]; bodies];
                 assert!(conjugate_gradients(&matrix, &rhs, &mut solved, accuracy(&rhs)));
@@ -269,33 +273,14 @@ mod tests {
         }
     }
 
-    /// Bodies that hang from a fixed one by equal dampers, in a row and numbered as it came: they move together, and forces have to
-    /// go all the way through them.
-    fn hanging(couplings: &[[usize; 2]], bodies: usize) -> (BlockMatrix, Vec<[f64; 6]>) {
-        const GAIN: f64 = 1e6;
-        let number = |i: usize| 7 * i % bodies;
-        let couplings: Vec<[usize; 2]> = couplings.iter().map(|pair| pair.map(number)).collect();
-        let mut matrix = BlockMatrix::new(bodies, &couplings);
-        let mut diagonal = vec![1.0; bodies];
-        diagonal[0] += GAIN;
-        for (index, pair) in couplings.iter().enumerate() {
-            pair.iter().for_each(|&body| diagonal[body] += GAIN);
-            let coupling = DMat3::IDENTITY * -GAIN;
-            matrix.set_coupling(index, Block::new([[coupling, DMat3::ZERO], [DMat3::ZERO, coupling]]));
-        }
-        for (i, diagonal) in diagonal.into_iter().enumerate() {
-            let diagonal = DMat3::IDENTITY * diagonal;
-            let block = Symmetric6 { linear: diagonal, mixed: DMat3::ZERO, angular: diagonal };
-            matrix.set_diagonal(i, Block::from(&block));
-        }
-        matrix.prepare();
-        (matrix, vec![[1.0; 6]; bodies])
-    }
-
+    /// Bodies that hang from a fixed one in a row, numbered as it came: a force has to go through all of them.
     #[test]
     fn long_chains_are_solved() {
-        let (matrix, rhs) = hanging(&row(2000), 2000);
-        let mut solved = vec![[0.0; 6]; 2000];
+        const BODIES: usize = 2000;
+        let row: Vec<[usize; 2]> = row(BODIES).iter().map(|pair| pair.map(|i| 7 * i % BODIES)).collect();
+        let matrix = damped(BODIES, &row, |_| 1e6, 1e6);
+        let rhs = vec![[1.0; 6]; BODIES];
+        let mut solved = vec![[0.0; 6]; BODIES];
         assert!(conjugate_gradients(&matrix, &rhs, &mut solved, accuracy(&rhs)));
     }
 }
