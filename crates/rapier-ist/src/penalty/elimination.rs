@@ -1,8 +1,8 @@
 //! Exact solution of block systems whose bodies hang together like a chain or a tree, by `L D Lᵀ` with 6×6 blocks.
 //!
 //! Bodies are eliminated by least degree: A. George and J. Liu, *The Evolution of the Minimum Degree Ordering Algorithm* (1989).
-//! A chain or a tree of n bodies then takes n products of blocks and no more, where conjugate gradients take the more
-//! iterations the longer it is.
+//! A chain or a tree then takes two products of blocks for each body and no more, where conjugate gradients take the more iterations
+//! the longer it is.
 
 use super::block::Block;
 use std::collections::BTreeSet;

@@ -110,7 +110,7 @@ impl Sample {
         }
         let b = 0.5 * self.rate / self.dissipation;
         let a = 1.0 + 0.5 * self.rate * self.moved - b;
-        // Without x at least at the velocity 0, or where x becomes positive.
+        // From `near` on, if x is positive there; else from the velocity 0, or from where x becomes positive.
         let least = -a / b;
         let square = 1.0 - self.dissipation * near;
         let mut w = if square > least && square > 0.0 { square } else { least.max(1.0) }.sqrt();

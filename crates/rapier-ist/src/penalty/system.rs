@@ -143,10 +143,10 @@ impl Island {
         let rhs = self.right_hand_side(dt);
         let Self { matrix, state, bodies, is_solved, .. } = self;
         let is_accurate = accuracy(&rhs);
-        let is_done =
-            |residual: &[_], state: &[_]| is_small(residual, bodies) || is_accurate(residual, state);
         matrix.prepare();
-        *is_solved = conjugate_gradients(matrix, &rhs, state, is_done);
+        *is_solved = conjugate_gradients(matrix, &rhs, state, |residual, state| {
+            is_small(residual, bodies) || is_accurate(residual, state)
+        });
     }
 
     /// `h Lᵀ r`, where r are the wrenches at the predicted twists.
