@@ -3,6 +3,7 @@
 use super::twist::{Screw, Symmetric6};
 use rapier3d::glamx::{DMat3, DVec3};
 use std::cmp::Ordering;
+use std::ops::{AddAssign, Neg};
 
 /// A 6×6 matrix by columns: loops over them become vector instructions, which 3×3 matrices do not.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,20 +51,19 @@ impl Block {
 
     /// `self · other`.
     pub(crate) fn product(&self, other: &Self) -> Self {
-        Self(other.0.map(|column| self.times(&column)))
+        let mut out = Self::ZERO;
+        for (column, v) in out.0.iter_mut().zip(&other.0) {
+            self.add_product(v, column);
+        }
+        out
     }
 
-    pub(crate) fn add(&mut self, other: &Self) {
-        self.combine(other, 1.0);
-    }
-
-    pub(crate) fn subtract(&mut self, other: &Self) {
-        self.combine(other, -1.0);
-    }
-
-    fn combine(&mut self, other: &Self, factor: f64) {
-        for (sum, column) in self.0.iter_mut().zip(&other.0) {
-            sum.iter_mut().zip(column).for_each(|(sum, value)| *sum += factor * value);
+    /// Subtracts `a · bᵀ`, in place: to hand products on takes longer than to make them.
+    pub(crate) fn subtract_product(&mut self, a: &Self, b: &Self) {
+        for (j, sum) in self.0.iter_mut().enumerate() {
+            for (column, row) in a.0.iter().zip(&b.0) {
+                sum.iter_mut().zip(column).for_each(|(sum, value)| *sum -= value * row[j]);
+            }
         }
     }
 
@@ -94,9 +94,13 @@ impl Block {
             };
             inverse[i] = std::array::from_fn(entry);
         }
-        let product =
-            |i: usize, j: usize| (0..6).map(|k| inverse[k][i] * inverse[k][j] / diagonal[k]).sum::<f64>();
-        Self(std::array::from_fn(|j| std::array::from_fn(|i| product(i, j))))
+        let weights = diagonal.map(|value| 1.0 / value);
+        let mut out = Self::ZERO;
+        for (i, j) in (0..6).flat_map(|i| (0..=i).map(move |j| (i, j))) {
+            let entry = (i..6).map(|k| inverse[k][i] * inverse[k][j] * weights[k]).sum();
+            (out.0[i][j], out.0[j][i]) = (entry, entry);
+        }
+        out
     }
 
     #[inline]
@@ -104,6 +108,21 @@ impl Block {
         let mut out = [0.0; 6];
         self.add_product(v, &mut out);
         out
+    }
+}
+
+impl AddAssign<&Self> for Block {
+    fn add_assign(&mut self, other: &Self) {
+        for (sum, column) in self.0.iter_mut().zip(&other.0) {
+            sum.iter_mut().zip(column).for_each(|(sum, value)| *sum += value);
+        }
+    }
+}
+
+impl Neg for Block {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self(self.0.map(|column| column.map(|value| -value)))
     }
 }
 

@@ -236,10 +236,8 @@ mod tests {
                 let mut m = Symmetric6::ZERO;
                 m.add_damper(DMat3::IDENTITY * gain, DVec3::new(arm, 0.5, -arm * arm));
                 let block = Block::from(&m);
-                let mut opposite = Block::ZERO;
-                opposite.subtract(&block);
-                [a, b].into_iter().for_each(|body| diagonal[body].add(&block));
-                matrix.set_coupling(index, opposite);
+                [a, b].into_iter().for_each(|body| diagonal[body] += &block);
+                matrix.set_coupling(index, -block);
             }
             diagonal.into_iter().enumerate().for_each(|(row, block)| matrix.set_diagonal(row, block));
             matrix.elimination = matrix.elimination_within(1000);

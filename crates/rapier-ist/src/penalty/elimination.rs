@@ -79,7 +79,7 @@ impl Elimination {
             if row > column
                 && let Ok(entry) = self.columns[column].binary_search(&row)
             {
-                lower[column][entry].add(block);
+                lower[column][entry] += block;
             }
         }
         let mut inverse = Vec::with_capacity(diagonal.len());
@@ -89,12 +89,11 @@ impl Elimination {
             let coupled = std::mem::take(&mut lower[place]);
             let scaled: Vec<Block> = coupled.iter().map(|block| block.product(&own)).collect();
             for (i, (&first, block)) in column.iter().zip(&coupled).enumerate() {
-                let transposed = block.transposed();
-                diagonal[first].subtract(&scaled[i].product(&transposed));
+                diagonal[first].subtract_product(&scaled[i], block);
                 let mut entry = 0;
-                for (second, block) in column.iter().zip(&scaled).skip(i + 1) {
+                for (second, scaled) in column.iter().zip(&scaled).skip(i + 1) {
                     entry += self.columns[first][entry..].partition_point(|place| place < second);
-                    lower[first][entry].subtract(&block.product(&transposed));
+                    lower[first][entry].subtract_product(scaled, block);
                 }
             }
             lower[place] = scaled;
