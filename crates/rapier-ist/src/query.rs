@@ -3,9 +3,10 @@
 use crate::arrival::shares;
 use crate::candidates::Candidate;
 use crate::containment::agree_on_direction;
+use crate::dispatcher::with_workspace;
 use crate::lookahead::Displacement;
 use crate::{IstShape, against_shape};
-use ist::{ContactSample, InnerSphereTree, OverlapWorkspace};
+use ist::{ContactSample, InnerSphereTree};
 use rapier3d::geometry::ColliderSet;
 use rapier3d::math::{Pose, Real};
 use rapier3d::parry::shape::Shape;
@@ -23,27 +24,20 @@ pub(crate) struct Contact {
 /// Runs the overlap query of every candidate, in parallel with feature `parallel`, and keeps the order. Tells the candidates
 /// their clearance.
 pub(crate) fn contacts(colliders: &ColliderSet, candidates: &mut [Candidate]) -> Vec<Option<Contact>> {
-    let query = |workspace: &mut OverlapWorkspace, candidate: &mut Candidate| {
-        contact(colliders, candidate, workspace)
-    };
+    let query = |candidate: &mut Candidate| contact(colliders, candidate);
     #[cfg(feature = "parallel")]
     {
         use rayon::prelude::*;
-        candidates.par_iter_mut().map_init(OverlapWorkspace::default, query).collect()
+        candidates.par_iter_mut().map(query).collect()
     }
     #[cfg(not(feature = "parallel"))]
     {
-        let mut workspace = OverlapWorkspace::default();
-        candidates.iter_mut().map(|candidate| query(&mut workspace, candidate)).collect()
+        candidates.iter_mut().map(query).collect()
     }
 }
 
 /// The contact of a candidate at the end of the step, or earlier on the way where that is long.
-fn contact(
-    colliders: &ColliderSet,
-    candidate: &mut Candidate,
-    workspace: &mut OverlapWorkspace,
-) -> Option<Contact> {
+fn contact(colliders: &ColliderSet, candidate: &mut Candidate) -> Option<Contact> {
     candidate.clearance = 0.0;
     let [a, b] = candidate.colliders.map(|handle| colliders.get(handle));
     let (a, b) = (a?, b?);
@@ -56,7 +50,7 @@ fn contact(
     let displacements = shares(shapes, candidate, skin).find_map(|share| {
         let displacements = candidate.displacements.map(|displacement| displacement.part(share));
         let poses = [0, 1].map(|i| displacements[i].apply(&candidate.poses[i]));
-        clearance = measure((&solids, shapes), &poses, workspace, &mut samples);
+        clearance = measure((&solids, shapes), &poses, &mut samples);
         (!samples.is_empty()).then_some(displacements)
     });
     let Some(displacements) = displacements else {
@@ -72,7 +66,6 @@ fn contact(
 fn measure(
     (solids, [a, b]): (&[Option<InnerSphereTree>; 2], [&dyn Shape; 2]),
     [pose_a, pose_b]: &[Pose; 2],
-    workspace: &mut OverlapWorkspace,
     samples: &mut Vec<ContactSample>,
 ) -> Real {
     match (&solids[0], b.as_shape::<IstShape>(), &solids[1]) {
@@ -80,7 +73,9 @@ fn measure(
             let pose = pose_a.inv_mul(pose_b);
             let ((center_a, radius_a), (center_b, radius_b)) =
                 (solid_a.bounding_ball(), solid_b.tree().bounding_ball());
-            solid_a.contact_samples(solid_b.tree(), &pose, workspace, samples);
+            with_workspace(|workspace| {
+                solid_a.contact_samples(solid_b.tree(), &pose, &mut workspace.overlap, samples);
+            });
             agree_on_direction([solid_a, solid_b.tree()], samples);
             to_world(samples, pose_a, 1.0);
             (center_a.distance(pose * center_b) - radius_a - radius_b).max(0.0)
@@ -127,7 +122,7 @@ mod tests {
     fn samples(shapes: [&dyn Shape; 2], poses: &[Pose; 2]) -> Vec<ContactSample> {
         let solids = shapes.map(|shape| shape.as_shape::<IstShape>().map(|shape| shape.tree().clone()));
         let mut samples = Vec::new();
-        measure((&solids, shapes), poses, &mut OverlapWorkspace::default(), &mut samples);
+        measure((&solids, shapes), poses, &mut samples);
         samples
     }
 

@@ -152,7 +152,7 @@ impl InnerSphereTree {
         let Some(pose) = RelativePose::new(self, other, pose) else { return };
         let trees = (self.data(), other.data());
         let mut lenses = core::mem::take(&mut workspace.lenses);
-        lenses.clear(trees.0, trees.1);
+        lenses.clear();
         let mut sink = LensSink { lenses: &mut lenses, trees, pose: &pose };
         for_each_pair(trees, &pose, workspace, &mut sink);
         lenses.append_samples(trees, &pose, self.unit(), samples);

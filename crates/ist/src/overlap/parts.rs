@@ -48,7 +48,7 @@ pub(crate) fn with_lenses(
     let trees = (a.data(), b.data());
     let mut lenses = core::mem::take(&mut workspace.lenses);
     let mut scratch = core::mem::take(&mut workspace.patches);
-    lenses.lenses.clear();
+    lenses.clear();
     let mut sink = LensSink { lenses: &mut lenses, trees, pose: &pose };
     for_each_pair(trees, &pose, workspace, &mut sink);
     let cloud = LensCloud { lenses: &lenses.lenses, trees: [trees.0, trees.1], pose: &pose, scale: a.unit() };

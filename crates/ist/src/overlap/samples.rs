@@ -43,6 +43,7 @@ pub(super) const SIGNIFICANT: f32 = 0.3;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lenses {
     pub(super) lenses: Vec<Lens>,
+    /// By positions in the tree, and zero where there is no lens.
     of_a: Vec<Sum>,
     of_b: Vec<Sum>,
 }
@@ -67,11 +68,15 @@ pub(super) struct Sum {
 }
 
 impl Lenses {
-    pub(super) fn clear(&mut self, a: &TreeData, b: &TreeData) {
-        self.lenses.clear();
-        for (sums, tree) in [(&mut self.of_a, a), (&mut self.of_b, b)] {
-            sums.clear();
-            sums.resize(tree.inner_radius.len(), Sum::default());
+    /// Forgets all lenses and what their spheres saw: in time in proportion to them, and not to the spheres of the trees.
+    pub(super) fn clear(&mut self) {
+        for lens in self.lenses.drain(..) {
+            for (sums, sphere) in [(&mut self.of_a, lens.spheres[0]), (&mut self.of_b, lens.spheres[1])] {
+                // Lenses that nobody summed up may be of larger trees.
+                if let Some(sum) = sums.get_mut(sphere as usize) {
+                    *sum = Sum::default();
+                }
+            }
         }
     }
 
@@ -83,6 +88,11 @@ impl Lenses {
         scale: f32,
         samples: &mut Vec<ContactSample>,
     ) {
+        for (sums, tree) in [(&mut self.of_a, a), (&mut self.of_b, b)] {
+            if sums.len() < tree.inner_radius.len() {
+                sums.resize(tree.inner_radius.len(), Sum::default());
+            }
+        }
         for lens in &self.lenses {
             for (sums, sphere) in [(&mut self.of_a, lens.spheres[0]), (&mut self.of_b, lens.spheres[1])] {
                 let sum = &mut sums[sphere as usize];

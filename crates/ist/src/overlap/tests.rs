@@ -144,6 +144,30 @@ proptest! {
         prop_assert_eq!(&results[0], &results[1]);
     }
 
+    /// Bit for bit, whatever pairs its lenses and patches were of.
+    #[test]
+    fn samples_do_not_depend_on_what_a_workspace_did_before(
+        packings in prop::collection::vec(random_packing(150), 2..4), pose in random_pose(0.7),
+        before in prop::collection::vec((0..4_usize, 0..4_usize, prop::bool::ANY), 0..6),
+    ) {
+        let trees: Vec<_> = packings.iter().map(tree).collect();
+        let samples = |workspace: &mut OverlapWorkspace, [a, b]: [usize; 2]| {
+            let mut samples = Vec::new();
+            trees[a % trees.len()].contact_samples(&trees[b % trees.len()], &pose, workspace, &mut samples);
+            samples
+        };
+        let mut used = OverlapWorkspace::default();
+        for (a, b, patches) in before {
+            if patches {
+                let (a, b) = (&trees[a % trees.len()], &trees[b % trees.len()]);
+                a.contact_patches(b, &pose, &mut used, &mut Vec::new());
+            } else {
+                samples(&mut used, [a, b]);
+            }
+        }
+        prop_assert_eq!(samples(&mut used, [0, 1]), samples(&mut OverlapWorkspace::default(), [0, 1]));
+    }
+
     #[test]
     fn samples_add_up_to_the_overlap(a in random_packing(100), b in random_packing(100), pose in random_pose(1.0)) {
         let (a, b) = (tree(&a).scaled(0.5).unwrap(), tree(&b));

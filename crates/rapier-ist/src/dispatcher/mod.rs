@@ -26,6 +26,7 @@ use rapier3d::parry::query::{
 };
 use rapier3d::parry::shape::Shape;
 use std::any::Any;
+pub(crate) use workspace::with_workspace;
 
 /// Answers every query that involves an [`IstShape`](crate::IstShape) and leaves all others to the dispatcher behind it:
 /// `IstDispatcher.chain(DefaultQueryDispatcher)`.
