@@ -331,6 +331,26 @@ fn issue_an_obj_file_is_read_for_its_faces_alone() {
 }
 
 #[test]
+fn issue_lines_of_an_obj_file_may_go_on_and_end_in_comments() {
+    let folder = TempDir::new().unwrap();
+    let texts = [
+        ("comments", "v 0 0 0 # first\nv 1 0 0#second\nv 0 1 0\nv 0 0 1\nf 1 2 3 # f 1 2 4\nf 1 2 4\n"),
+        ("continued", "v 0 \\\n0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 \\\n  3\nf\\\n1 \\ \n2\\\n4\n"),
+        ("continued in DOS", "v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nv 0 0 1\r\nf 1 2 \\\r\n3\r\nf 1 2 4\r\n"),
+        ("continued at the end", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4 \\"),
+        (
+            "folders",
+            "# made in C:\\meshes\\\nv 0 0 0 # C:\\\nmtllib C:\\meshes\\\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n",
+        ),
+    ];
+    for (name, text) in texts {
+        let mesh = TriangleMesh::load_unchecked(file(&folder, "lines.obj", text)).expect(name);
+        assert_eq!(mesh.vertices, [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z], "{name}");
+        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 1, 3]], "{name}");
+    }
+}
+
+#[test]
 fn an_obj_vertex_is_divided_by_its_weight() {
     let folder = TempDir::new().unwrap();
     let text = "v 0 0 0 1\nv 2 0 0 2\nv 0 1 0\nf 1 2 3\n";

@@ -3,6 +3,7 @@
 use super::{Parsed, polygon};
 use crate::TriangleMesh;
 use glam::DVec3;
+use std::borrow::Cow;
 
 pub(super) fn parse(bytes: &[u8]) -> Parsed {
     let options =
@@ -33,14 +34,16 @@ pub(super) fn parse(bytes: &[u8]) -> Parsed {
 
 /// The lines that make the surface: positions, and faces by their positions alone. The rest says nothing about the shape, and
 /// the crate tobj stumbles over it: it takes a polyline of three points (`l 1 2 3`) for a triangle, refuses files of which some
-/// vertices have a colour, and panics, where overflow is checked, at an index of a normal that is far out of range.
+/// vertices have a colour, comments behind numbers and lines that go on, and panics, where overflow is checked, at an index of a
+/// normal that is far out of range.
 fn surface_only(text: &str) -> String {
     let mut kept = String::with_capacity(text.len());
-    for line in text.lines() {
-        let mut words = line.split_whitespace();
-        match words.next() {
+    let mut lines = text.lines().map(without_comment);
+    while let Some(line) = lines.next() {
+        match line.split_whitespace().next().map(|word| word.trim_end_matches('\\')) {
             Some("v") => {
-                let numbers: Vec<&str> = words.collect();
+                let line = continued(line, &mut lines);
+                let numbers: Vec<&str> = line.split_whitespace().skip(1).collect();
                 // A fourth number alone is the weight, more are a colour.
                 let count = if numbers.len() == 4 { 4 } else { numbers.len().min(3) };
                 kept.push_str("v ");
@@ -48,7 +51,7 @@ fn surface_only(text: &str) -> String {
             }
             Some("f") => {
                 kept.push('f');
-                for corner in words {
+                for corner in continued(line, &mut lines).split_whitespace().skip(1) {
                     kept.push(' ');
                     // A corner without a position stays as it is, for tobj to refuse.
                     let position = corner.split('/').next().filter(|position| !position.is_empty());
@@ -60,4 +63,21 @@ fn surface_only(text: &str) -> String {
         kept.push('\n');
     }
     kept
+}
+
+fn without_comment(line: &str) -> &str {
+    line.split_once('#').map_or(line, |(line, _)| line)
+}
+
+/// A line with those in which it goes on: a backslash at its end stands for a space. Only of lines that matter: names of folders
+/// end in one, too.
+fn continued<'a>(line: &'a str, rest: &mut impl Iterator<Item = &'a str>) -> Cow<'a, str> {
+    let mut whole = Cow::Borrowed(line);
+    while let Some(before) = whole.trim_end().strip_suffix('\\').map(str::len) {
+        let whole = whole.to_mut();
+        whole.truncate(before);
+        whole.push(' ');
+        whole.push_str(rest.next().unwrap_or_default());
+    }
+    whole
 }
