@@ -9,6 +9,7 @@ mod gears;
 mod inside;
 mod pile;
 mod restitution;
+mod rolling;
 mod slope;
 mod soak;
 mod stack;

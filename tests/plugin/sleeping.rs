@@ -106,7 +106,8 @@ fn a_sleeping_pile_costs_nothing_and_wakes_where_it_is_touched() {
     for i in 0..12 {
         let (x, z) = ((i % 3) as f32, (i / 3 % 2) as f32);
         let at = Vector::new(0.15 * x, 0.1 + 0.21 * (i / 6) as f32, 0.15 * z);
-        world.insert(dynamic(at), ball_collider().friction(1.0));
+        // Balls that roll never stop.
+        world.insert(dynamic(at).angular_damping(10.0), ball_collider().friction(1.0));
     }
     run(&mut plugin, &mut world, 1200);
     let asleep = |world: &PhysicsWorld| world.bodies.iter().filter(|(_, body)| body.is_sleeping()).count();

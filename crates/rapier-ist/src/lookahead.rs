@@ -74,9 +74,14 @@ impl Displacement {
         }
     }
 
-    /// How far the point that ends up at `point` has moved (m).
+    /// Way of the centre of mass (m).
+    pub(crate) fn translation(&self) -> DVec3 {
+        self.screw.linear
+    }
+
+    /// Way of the point of the body that is at `point` before (m), to first order.
     pub(crate) fn at(&self, point: DVec3) -> DVec3 {
-        self.screw.linear + self.screw.angular.cross(point - self.center - self.screw.linear)
+        self.screw.twist_at(point - self.center).linear
     }
 }
 

@@ -78,6 +78,12 @@ impl SolverBody {
         self.root_linear != DVec3::ZERO || self.root_angular != DMat3::ZERO
     }
 
+    /// Trace of the inverse inertia (1/(kg·m²)).
+    pub(crate) fn ease_of_turning(&self) -> f64 {
+        let root = &self.root_angular;
+        root.x_axis.length_squared() + root.y_axis.length_squared() + root.z_axis.length_squared()
+    }
+
     /// The same body as one that it dominates sees it: it goes its way whatever touches it.
     pub(crate) fn unyielding(&self) -> Self {
         let Self { center_of_mass, velocity, .. } = *self;

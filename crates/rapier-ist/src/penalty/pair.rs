@@ -58,14 +58,13 @@ impl PairContacts {
         let volume: f64 = contact.samples.iter().map(|s| f64::from(s.volume)).sum();
         let moment: DVec3 = contact.samples.iter().map(|s| s.point.as_dvec3() * f64::from(s.volume)).sum();
         let [displacement_a, displacement_b] = contact.displacements;
-        let back = backtracking(states, contact.displacements);
-        let origin = moment / volume.max(f64::MIN_POSITIVE);
-        let origin = origin - back(origin);
+        let way = way_of_contact(states, contact.displacements);
+        let origin = moment / volume.max(f64::MIN_POSITIVE) - way;
         let before = relative_twist(states.map(|state| (state, state.velocity)), origin);
         let free = relative_twist(states.map(|state| (state, state.predicted)), origin);
         let patches = patches(&contact.samples);
         let whole = material.stiffness * volume;
-        let place = |point: DVec3| point - back(point) - origin;
+        let place = |point: DVec3| point - way - origin;
         let mean = |twist: Screw| {
             let part = |s: &ContactSample| {
                 let velocity = twist.twist_at(place(s.point.as_dvec3())).linear;
@@ -86,7 +85,7 @@ impl PairContacts {
             let arm = place(point);
             let normal = s.normal.as_dvec3();
             let velocity = before.twist_at(arm).linear;
-            let moved = (displacement_b.at(point) - displacement_a.at(point)).dot(normal) / dt;
+            let moved = (displacement_b.at(origin + arm) - displacement_a.at(origin + arm)).dot(normal) / dt;
             let push_there = Screw { linear: normal, angular: arm.cross(normal) };
             let compliance: f64 = states.iter().map(|state| state.compliance(origin, push_there)).sum();
             let gain = push * compliance * dt;
@@ -274,17 +273,23 @@ impl PairContacts {
     }
 }
 
-/// How far a point of the predicted contact lies from where the wrench acts on the bodies as they are now.
+/// How far the contact has moved with the bodies when it is measured (m): from there the bodies as they are now feel its forces.
 ///
-/// The point has moved with both bodies. Where only one of them can move its motion counts, for two the mean: both
-/// feel the wrench at one point, so that momentum and angular momentum are kept exactly.
-fn backtracking(states: [&SolverBody; 2], displacements: [Displacement; 2]) -> impl Fn(DVec3) -> DVec3 {
-    let weights = match states.map(SolverBody::is_movable) {
-        [true, false] => [1.0, 0.0],
-        [false, true] => [0.0, 1.0],
-        _ => [0.5, 0.5],
-    };
-    move |point| displacements[0].at(point) * weights[0] + displacements[1].at(point) * weights[1]
+/// They turn on the way, and the contact does not: its arms about the centres of mass are those at the predicted poses, as its normals
+/// are. Arms that turn back leave normals that are turned forward by comparison: a ball that rolls would be slowed down, and a ring
+/// that is squeezed onto a shaft would turn ever faster.
+///
+/// Both bodies must feel a force at one point, so that angular momentum is kept exactly, but their centres of mass move by
+/// different ways. What that changes about the torques falls to the body whose rotation it changes less.
+fn way_of_contact(states: [&SolverBody; 2], displacements: [Displacement; 2]) -> DVec3 {
+    let ease = states.map(SolverBody::ease_of_turning);
+    let total: f64 = ease.iter().sum();
+    if total > 0.0 {
+        displacements[0].translation() * (ease[0] / total)
+            + displacements[1].translation() * (ease[1] / total)
+    } else {
+        DVec3::ZERO
+    }
 }
 
 /// Velocity of the second body relative to the first at `at`.
