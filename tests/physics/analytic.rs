@@ -1,19 +1,13 @@
 //! Bodies at rest and impacts, against closed forms.
 
-use super::{DENSITY, stiff};
+use super::{DENSITY, packed, stiff};
 use glam::{DVec3, Vec3};
-use packer::{PackOptions, Solid, pack};
 use rapier_ist::{IstPlugin, IstShape, PairContact};
 use rapier_ist_examples::shapes;
 use rapier3d::prelude::*;
 use std::f32::consts::PI;
 
 const RADIUS: f32 = 0.1;
-
-fn packed(mesh: &packer::TriangleMesh, spheres: usize) -> IstShape {
-    let solid = Solid::new(mesh).unwrap();
-    IstShape::from_packing(&pack(&solid, &PackOptions::balanced().spheres(spheres)).unwrap().packing)
-}
 
 /// Volume of a cap of height `h` of a ball of radius `r`.
 fn cap(r: f32, h: f32) -> f32 {

@@ -1,9 +1,8 @@
 //! Free bodies that hit each other: momentum, angular momentum, energy.
 
-use super::{DENSITY, ring};
+use super::{DENSITY, packed, ring};
 use glam::{DVec3, Quat, Vec3};
 use glamx::Pose3;
-use packer::{PackOptions, Solid, pack};
 use rapier_ist::{IstPlugin, IstShape};
 use rapier_ist_examples::shapes;
 use rapier3d::prelude::*;
@@ -11,8 +10,7 @@ use rapier3d::prelude::*;
 /// Three crossed bars: not convex, and its inertia is the same about all axes, so that it spins freely at a constant rate
 /// and all that changes its angular momentum is the contact.
 fn jack() -> IstShape {
-    let solid = Solid::new(&shapes::cross(0.2, 0.05)).unwrap();
-    IstShape::from_packing(&pack(&solid, &PackOptions::balanced().spheres(1000)).unwrap().packing)
+    packed(&shapes::cross(0.2, 0.05), 1000)
 }
 
 /// Momentum, angular momentum about the origin and kinetic energy of all bodies.

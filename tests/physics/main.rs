@@ -10,13 +10,14 @@ mod inside;
 mod pile;
 mod restitution;
 mod rolling;
+mod sliding;
 mod slope;
 mod soak;
 mod stack;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use ist::{InnerSphere, SolidProperties, SpherePacking};
-use packer::{PackOptions, Solid, pack};
+use packer::{PackOptions, Solid, TriangleMesh, pack};
 use rapier_ist::{IstPlugin, IstShape, Stiffness, VolumePenalty};
 use rapier_ist_examples::run::Simulation;
 use rapier_ist_examples::scenes::{Pile, PileOptions};
@@ -31,10 +32,19 @@ fn ball() -> IstShape {
     IstShape::from_packing(&SpherePacking::new(vec![sphere], SolidProperties::ball(0.1)).unwrap())
 }
 
+fn packed(mesh: &TriangleMesh, spheres: usize) -> IstShape {
+    let solid = Solid::new(mesh).unwrap();
+    IstShape::from_packing(&pack(&solid, &PackOptions::balanced().spheres(spheres)).unwrap().packing)
+}
+
 /// A ring of 0.3 m across and 0.08 m thickness.
 fn ring(spheres: usize) -> IstShape {
-    let solid = Solid::new(&shapes::ring(0.11, 0.04, [48, 24])).unwrap();
-    IstShape::from_packing(&pack(&solid, &PackOptions::balanced().spheres(spheres)).unwrap().packing)
+    packed(&shapes::ring(0.11, 0.04, [48, 24]), spheres)
+}
+
+/// A slab of 0.4 × 0.1 × 0.4 m.
+fn slab() -> IstShape {
+    packed(&shapes::cuboid(DVec3::new(0.2, 0.05, 0.2)), 1000)
 }
 
 fn stiff(plugin: &mut IstPlugin, stiffness: f32) {

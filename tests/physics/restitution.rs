@@ -1,16 +1,14 @@
 //! Rebound heights, against e² h.
 
-use super::{DENSITY, ball};
+use super::{DENSITY, ball, packed};
 use glam::Vec3;
-use packer::{PackOptions, Solid, pack};
 use rapier_ist::{IstPlugin, IstShape};
 use rapier_ist_examples::shapes;
 use rapier3d::prelude::*;
 
 /// A ball of radius 0.1 m, packed as any other mesh.
 fn packed_ball() -> IstShape {
-    let solid = Solid::new(&shapes::sphere(0.1, 3)).unwrap();
-    IstShape::from_packing(&pack(&solid, &PackOptions::balanced().spheres(500)).unwrap().packing)
+    packed(&shapes::sphere(0.1, 3), 500)
 }
 
 /// Greatest height of the ball's centre over its place at rest after the first impact, when dropped from `height`.

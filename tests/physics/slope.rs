@@ -1,17 +1,9 @@
 //! Friction on a slope, against Coulomb's law.
 
-use super::{DENSITY, stiff};
+use super::{DENSITY, slab, stiff};
 use glam::{Quat, Vec3};
-use packer::{PackOptions, Solid, pack};
 use rapier_ist::{IstPlugin, IstShape};
-use rapier_ist_examples::shapes;
 use rapier3d::prelude::*;
-
-/// A slab of 0.4 × 0.1 × 0.4 m.
-fn slab() -> IstShape {
-    let solid = Solid::new(&shapes::cuboid(glam::DVec3::new(0.2, 0.05, 0.2))).unwrap();
-    IstShape::from_packing(&pack(&solid, &PackOptions::balanced().spheres(1000)).unwrap().packing)
-}
 
 /// Lets a slab lie on a slope of the given angle (rad) and gives its velocity down the slope after `seconds`.
 fn slide(shape: &IstShape, friction: f32, angle: f32, stiffness: Option<f32>, seconds: f32) -> f32 {

@@ -6,9 +6,9 @@ use super::impact::{Impact, ImpactStep};
 use super::material::Material;
 use super::patch::patches;
 use super::patch_sum::PatchSum;
+use super::placement::{Placement, sliding};
 use super::sample::Sample;
 use super::twist::{Screw, Symmetric6};
-use crate::lookahead::Displacement;
 use crate::memory::PairMemory;
 use crate::query::Contact;
 use ist::ContactSample;
@@ -56,19 +56,17 @@ impl PairContacts {
         dt: f64,
     ) -> Self {
         let volume: f64 = contact.samples.iter().map(|s| f64::from(s.volume)).sum();
-        let moment: DVec3 = contact.samples.iter().map(|s| s.point.as_dvec3() * f64::from(s.volume)).sum();
-        let [displacement_a, displacement_b] = contact.displacements;
-        let way = way_of_contact(states, contact.displacements);
-        let origin = moment / volume.max(f64::MIN_POSITIVE) - way;
+        let placement = Placement::of(states, contact);
+        let origin = placement.origin;
         let before = relative_twist(states.map(|state| (state, state.velocity)), origin);
         let free = relative_twist(states.map(|state| (state, state.predicted)), origin);
         let patches = patches(&contact.samples);
         let whole = material.stiffness * volume;
-        let place = |point: DVec3| point - way - origin;
+        let place = |point: DVec3| placement.arm(point);
         let mean = |twist: Screw| {
             let part = |s: &ContactSample| {
                 let velocity = twist.twist_at(place(s.point.as_dvec3())).linear;
-                velocity.dot(s.normal.as_dvec3()) * f64::from(s.volume)
+                (velocity.dot(s.normal.as_dvec3()) - sliding(s, velocity)) * f64::from(s.volume)
             };
             contact.samples.iter().map(part).sum::<f64>() / volume.max(f64::MIN_POSITIVE)
         };
@@ -78,18 +76,19 @@ impl PairContacts {
         let in_patches = patches.iter().flat_map(|patch| {
             let push: f64 =
                 patch.samples.iter().map(|s| f64::from(s.volume)).sum::<f64>() * material.stiffness;
-            patch.samples.iter().map(move |&s| (s, patch.depth, push))
+            patch.samples.iter().map(move |&s| (s, patch, push))
         });
-        let placed = in_patches.map(|(s, depth, push)| {
+        let placed = in_patches.map(|(s, patch, push)| {
             let point = s.point.as_dvec3();
             let arm = place(point);
             let normal = s.normal.as_dvec3();
             let velocity = before.twist_at(arm).linear;
-            let moved = (displacement_b.at(origin + arm) - displacement_a.at(origin + arm)).dot(normal) / dt;
+            let moved = placement.moved(s) / dt;
             let push_there = Screw { linear: normal, angular: arm.cross(normal) };
             let compliance: f64 = states.iter().map(|state| state.compliance(origin, push_there)).sum();
             let gain = push * compliance * dt;
-            let (rate, inward) = (dt / depth, -velocity.dot(normal));
+            let (rate, inward) = (dt / patch.depth, -velocity.dot(normal));
+            let sliding = sliding(s, velocity);
             let stiff = gain * rate > STOPS_WITHIN_A_STEP;
             // The end of the step sees the force half a step early, which dissipates by h/2D.
             let lead = if impact.speed > 0.0 && !stiff { 0.5 * rate } else { 0.0 };
@@ -99,7 +98,8 @@ impl PairContacts {
                 push: material.stiffness * f64::from(s.volume),
                 rate,
                 moved,
-                dissipation: (dissipation - lead).max(-0.5 / moved.abs().max(f64::MIN_POSITIVE)),
+                dissipation: (dissipation - lead).max(-0.5 / (moved - sliding).abs().max(f64::MIN_POSITIVE)),
+                sliding,
                 stiff,
                 velocity,
                 force: 0.0,
@@ -220,7 +220,7 @@ impl PairContacts {
         let (mut force, mut power, mut wrench) = (0.0, 0.0, Screw::ZERO);
         for s in &self.samples {
             force += s.force;
-            power += s.force * twist.twist_at(s.arm).linear.dot(s.normal);
+            power += s.force * (twist.twist_at(s.arm).linear.dot(s.normal) - s.sliding);
             let push = s.normal * s.force;
             wrench += Screw { linear: push, angular: s.arm.cross(push) };
         }
@@ -270,25 +270,6 @@ impl PairContacts {
 
     pub(crate) fn damping(&self) -> &Symmetric6 {
         &self.damping
-    }
-}
-
-/// How far the contact has moved with the bodies when it is measured (m): from there the bodies as they are now feel its forces.
-///
-/// They turn on the way, and the contact does not: its arms about the centres of mass are those at the predicted poses, as its normals
-/// are. Arms that turn back leave normals that are turned forward by comparison: a ball that rolls would be slowed down, and a ring
-/// that is squeezed onto a shaft would turn ever faster.
-///
-/// Both bodies must feel a force at one point, so that angular momentum is kept exactly, but their centres of mass move by
-/// different ways. What that changes about the torques falls to the body whose rotation it changes less.
-fn way_of_contact(states: [&SolverBody; 2], displacements: [Displacement; 2]) -> DVec3 {
-    let ease = states.map(SolverBody::ease_of_turning);
-    let total: f64 = ease.iter().sum();
-    if total > 0.0 {
-        displacements[0].translation() * (ease[0] / total)
-            + displacements[1].translation() * (ease[1] / total)
-    } else {
-        DVec3::ZERO
     }
 }
 

@@ -13,10 +13,13 @@ const NEWTON_TOLERANCE: f64 = 1e-3;
 
 /// A contact sample with its force as a function of the normal velocity `u` at the end of the step.
 ///
-/// `f(u) = k V x² (1 − δ u)` with `x = 1 + h (u* − u) / 2D`, where V and D are the volume of the sample and the depth
+/// `f(u) = k V x² (1 − δ (u − s))` with `x = 1 + h (u* − u) / 2D`, where V and D are the volume of the sample and the depth
 /// of its patch at the poses that the velocity u* leads to: the volume of a shallow contact grows with the square of
 /// its depth. `(1 − δ u)` is the dissipation of K. Hunt and F. Crossley, *Coefficient of restitution interpreted
 /// as damping in vibroimpact* (1975). The force never pulls.
+///
+/// Where the patch slides, its samples go up and down the bumps that spheres are, with the normal velocities s. The patch as a whole
+/// neither approaches nor separates by that, and nothing is dissipated: frictionless bodies would be braked by it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample {
     /// From the origin of the pair (m).
@@ -30,6 +33,8 @@ pub(crate) struct Sample {
     pub(crate) moved: f64,
     /// δ (s/m).
     pub(crate) dissipation: f64,
+    /// Normal velocity that the sliding of the patch gives, s (m/s).
+    pub(crate) sliding: f64,
     /// Whether the contact can stop the bodies within a step.
     pub(crate) stiff: bool,
     /// Velocity relative to the first body at which the force was last linearised (m/s).
@@ -76,16 +81,22 @@ impl Sample {
     /// Force at `u` and minus its derivative, which is never negative.
     fn law(&self, u: f64) -> (f64, f64) {
         let x = 1.0 + 0.5 * self.rate * (self.moved - u);
-        let dissipating = u.max(self.fastest_dissipating());
+        let approach = u - self.sliding;
+        let dissipating = approach.max(self.fastest_dissipating());
         let y = 1.0 - self.dissipation * dissipating;
         if x <= 0.0 || y <= 0.0 {
             return (0.0, 0.0);
         }
-        let slope = if u < dissipating { 0.0 } else { self.dissipation * x };
+        let slope = if approach < dissipating { 0.0 } else { self.dissipation * x };
         (self.push * x * x * y, self.push * x * (self.rate * y + slope).max(0.0))
     }
 
-    /// Below this velocity the factor of the dissipation stays what it is there.
+    /// u* − s (m/s).
+    fn moved_besides_sliding(&self) -> f64 {
+        self.moved - self.sliding
+    }
+
+    /// Below this velocity, without the sliding, the factor of the dissipation stays what it is there.
     ///
     /// With a negative dissipation the force would fall where the approach is fast, and end: bodies would pass through each
     /// other, or the system would not be positive definite. The greatest force is at the velocity where the derivative of
@@ -94,13 +105,13 @@ impl Sample {
         if self.dissipation >= 0.0 {
             return f64::NEG_INFINITY;
         }
-        let greatest = (2.0 / self.rate + self.moved + 2.0 / self.dissipation) / 3.0;
+        let greatest = (2.0 / self.rate + self.moved_besides_sliding() + 2.0 / self.dissipation) / 3.0;
         greatest.max(0.5 / self.dissipation)
     }
 
     /// The normal velocity at which the law gives `force`, positive (N), looked for from `near` on.
     ///
-    /// With `w = √(1 − δ u)`, `s = √(f / k V)` and x linear in w² this is the root of the cubic `w (A + B w²) = s`,
+    /// With `w = √(1 − δ (u − s))`, `g = √(f / k V)` and x linear in w² this is the root of the cubic `w (A + B w²) = g`,
     /// convex and rising where x is positive: Newton's method falls towards it after the first step. The root of x²
     /// alone where δ is not positive.
     pub(crate) fn velocity_of(&self, force: f64, near: f64) -> f64 {
@@ -109,10 +120,10 @@ impl Sample {
             return self.moved + 2.0 * (1.0 - goal) / self.rate;
         }
         let b = 0.5 * self.rate / self.dissipation;
-        let a = 1.0 + 0.5 * self.rate * self.moved - b;
-        // From `near` on, if x is positive there; else from the velocity 0, or from where x becomes positive.
+        let a = 1.0 + 0.5 * self.rate * self.moved_besides_sliding() - b;
+        // From `near` on, if x is positive there; else from where nothing is dissipated, or from where x becomes positive.
         let least = -a / b;
-        let square = 1.0 - self.dissipation * near;
+        let square = 1.0 - self.dissipation * (near - self.sliding);
         let mut w = if square > least && square > 0.0 { square } else { least.max(1.0) }.sqrt();
         for _ in 0..NEWTON_STEPS {
             let square = w * w;
@@ -122,7 +133,7 @@ impl Sample {
             }
             w -= residual / (a + 3.0 * b * square);
         }
-        (1.0 - w * w) / self.dissipation
+        self.sliding + (1.0 - w * w) / self.dissipation
     }
 
     /// The normal velocity at which the sample's patch alone would stop bodies whose normal velocity is `free`
@@ -145,7 +156,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn sample(rate: f64, moved: f64, dissipation: f64) -> Sample {
+    fn sample(rate: f64, moved: f64, dissipation: f64, sliding: f64) -> Sample {
         Sample {
             arm: DVec3::ZERO,
             normal: DVec3::Y,
@@ -153,6 +164,7 @@ mod tests {
             rate,
             moved,
             dissipation,
+            sliding,
             stiff: false,
             velocity: DVec3::ZERO,
             force: 0.0,
@@ -166,9 +178,9 @@ mod tests {
         #[test]
         fn issue_faster_approach_never_takes_force_away(
             (rate, moved, dissipation) in (1e-2_f64..1e3, -5.0_f64..5.0, -50.0_f64..50.0), u in -50.0_f64..50.0,
-            faster in 0.0_f64..50.0,
+            faster in 0.0_f64..50.0, sliding in -5.0_f64..5.0,
         ) {
-            let sample = sample(rate, moved, dissipation);
+            let sample = sample(rate, moved, dissipation, sliding);
             let ((force, damping), more) = (sample.law(u), sample.law(u - faster).0);
             prop_assert!(force >= 0.0 && damping >= 0.0, "{force} {damping}");
             prop_assert!(more >= force * (1.0 - 1e-12), "{more} after {force}");
@@ -177,9 +189,9 @@ mod tests {
         #[test]
         fn the_velocity_of_a_force_has_that_force(
             (rate, moved, dissipation) in (1e-2_f64..1e3, -5.0_f64..5.0, 0.0_f64..50.0),
-            share in 1e-3_f64..30.0, near in -20.0_f64..20.0,
+            share in 1e-3_f64..30.0, near in -20.0_f64..20.0, sliding in -5.0_f64..5.0,
         ) {
-            let sample = sample(rate, moved, dissipation);
+            let sample = sample(rate, moved, dissipation, sliding);
             let force = share * sample.push;
             let found = sample.law(sample.velocity_of(force, near)).0;
             prop_assert!((found / force - 1.0).abs() < 1e-2, "{found} instead of {force}");

@@ -1,0 +1,98 @@
+//! Where a contact that was measured at the predicted poses acts on the bodies as they are.
+
+use super::body::SolverBody;
+use super::patch::SAME_DIRECTION;
+use crate::lookahead::Displacement;
+use crate::query::Contact;
+use ist::ContactSample;
+use rapier3d::glamx::DVec3;
+
+/// Leads from the poses at which a contact was measured to the present ones.
+///
+/// A contact goes back with the centres of mass, but it does not turn back with the bodies: its arms about these are those
+/// at the predicted poses, as its normals are. Arms that turn back leave normals that are turned forward by comparison: a ball that
+/// rolls would be slowed down, and a ring that is squeezed onto a shaft would turn ever faster.
+pub(super) struct Placement {
+    /// Centroid of the overlap, world frame.
+    pub(super) origin: DVec3,
+    /// How far the contact has gone with the bodies (m).
+    way: DVec3,
+    /// Displacements to the poses at which it was measured.
+    to_contact: [Displacement; 2],
+    /// What follows them, of a pair that was measured early on its way.
+    behind: Option<[Displacement; 2]>,
+}
+
+impl Placement {
+    pub(super) fn of(states: [&SolverBody; 2], contact: &Contact) -> Self {
+        let volume: f64 = contact.samples.iter().map(|s| f64::from(s.volume)).sum();
+        let moment: DVec3 = contact.samples.iter().map(|s| s.point.as_dvec3() * f64::from(s.volume)).sum();
+        let (all, to_contact) = (contact.candidate.displacements, contact.displacements);
+        let way = way(states, to_contact);
+        let origin = moment / volume.max(f64::MIN_POSITIVE) - way;
+        let behind = (all != to_contact).then(|| [all[0] - to_contact[0], all[1] - to_contact[1]]);
+        Self { origin, way, to_contact, behind }
+    }
+
+    /// From [`Self::origin`] to where `point` of the contact acts.
+    pub(super) fn arm(&self, point: DVec3) -> DVec3 {
+        point - self.way - self.origin
+    }
+
+    /// How far the second body moves relative to the first along the normal of `sample` (m) by the displacements that lead to the overlap
+    /// that is taken to have been measured.
+    ///
+    /// Of a pair that was measured early, that includes what it slides from there on: how a bump goes on says nothing of
+    /// those behind it.
+    pub(super) fn moved(&self, sample: &ContactSample) -> f64 {
+        let at = sample.point.as_dvec3() - self.way;
+        let relative = |[a, b]: [Displacement; 2]| b.at(at) - a.at(at);
+        let slides = self.behind.map_or(0.0, |behind| sliding(sample, relative(behind)));
+        relative(self.to_contact).dot(sample.normal.as_dvec3()) + slides
+    }
+}
+
+/// What a velocity, or a way, along the surfaces has along the normal of a sample: the spheres are bumps on them. The surfaces'
+/// normal is the one that the spheres carry, where that agrees with the sample's.
+pub(super) fn sliding(sample: &ContactSample, velocity: DVec3) -> f64 {
+    let (normal, out) = (sample.normal, sample.outward);
+    let out = if out.dot(normal) >= SAME_DIRECTION { out.as_dvec3() } else { normal.as_dvec3() };
+    (velocity - out * velocity.dot(out)).dot(normal.as_dvec3())
+}
+
+/// How far a contact goes with two bodies that have the given displacements (m).
+///
+/// Both must feel a force at one point, so that angular momentum is kept exactly, but their centres of mass move by different ways.
+/// What that does to the torques falls to the body whose rotation it changes less.
+fn way(states: [&SolverBody; 2], displacements: [Displacement; 2]) -> DVec3 {
+    let ease = states.map(SolverBody::ease_of_turning);
+    let total: f64 = ease.iter().sum();
+    if total > 0.0 {
+        displacements[0].translation() * (ease[0] / total)
+            + displacements[1].translation() * (ease[1] / total)
+    } else {
+        DVec3::ZERO
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rapier3d::glamx::Vec3;
+
+    fn sample(normal: Vec3, outward: Vec3) -> ContactSample {
+        ContactSample { point: Vec3::ZERO, normal, volume: 1.0, vector_area: normal, outward }
+    }
+
+    #[test]
+    fn what_slides_up_a_bump_does_not_approach() {
+        let (up, side) = (Vec3::Y, Vec3::new(0.6, 0.8, 0.0));
+        let bump = sample(side, up);
+        assert!((sliding(&bump, DVec3::X) - 0.6).abs() < 1e-6);
+        assert!(sliding(&bump, DVec3::Y).abs() < 1e-6, "the surfaces approach");
+        assert!(sliding(&sample(up, up), DVec3::new(1.0, 2.0, 3.0)).abs() < 1e-6, "no bump");
+        for unknown in [Vec3::ZERO, -up, Vec3::X] {
+            assert_eq!(sliding(&sample(up, unknown), DVec3::ONE), 0.0, "{unknown}");
+        }
+    }
+}
