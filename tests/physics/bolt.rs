@@ -25,7 +25,7 @@ fn a_nut_turns_down_its_thread_by_a_pitch_per_turn() {
         assert!(bolt.turns() > 2.0, "{} turns", bolt.turns());
         assert!((advance / Bolt::pitch() - 1.0).abs() < 0.05, "{advance}");
         assert!(tilt < 3.0 && offset < 16.0, "{tilt}°, {offset} mm");
-        assert!((0.75..1.0).contains(&share), "slower than on a smooth thread, and not faster: {share}");
+        assert!((0.9..1.02).contains(&share), "slower than on a smooth thread, and not faster: {share}");
     }
 }
 

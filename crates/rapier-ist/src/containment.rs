@@ -22,5 +22,7 @@ pub(crate) fn agree_on_direction([a, b]: [&InnerSphereTree; 2], samples: &mut [C
     let Some(mean) = (sum / volume).try_normalize().filter(|_| weight > 0.0) else { return };
     for sample in samples {
         sample.normal = sample.normal.lerp(mean, weight).try_normalize().unwrap_or(mean);
+        // As far as the direction is the mean, nothing is a bump.
+        sample.outward = sample.outward.lerp(sample.normal, weight).normalize_or_zero();
     }
 }

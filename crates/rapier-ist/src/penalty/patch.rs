@@ -13,7 +13,7 @@ use rapier3d::glamx::{DVec3, Vec3};
 
 /// Samples whose normals agree with the patch's first to within 50° join it; the walls of a right-angled groove
 /// stay apart.
-pub(super) const SAME_DIRECTION: f32 = 0.64;
+const SAME_DIRECTION: f32 = 0.64;
 
 /// More directions than this are noise of a body deep inside another.
 const MOST_PATCHES: usize = 8;

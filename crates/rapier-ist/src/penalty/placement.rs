@@ -1,11 +1,18 @@
 //! Where a contact that was measured at the predicted poses acts on the bodies as they are.
 
 use super::body::SolverBody;
-use super::patch::SAME_DIRECTION;
 use crate::lookahead::Displacement;
 use crate::query::Contact;
 use ist::ContactSample;
 use rapier3d::glamx::DVec3;
+
+/// Cosine (of 40°) of the angle between a bump's normal and its surface's down to which they are one. What differs more is deep in an
+/// overlap or at an edge.
+///
+/// Share of its acceleration that a nut has on its thread, of 1 m/s that a frictionless slab has on a plate after a second, and the fastest turn
+/// of 73 bunnies that leave another: 1.00, 0.89 m/s and 19 rad/s with 0.64, 0.98, 0.89 and 14 with 0.77, 0.95, 0.89 and 13 with
+/// 0.87, 0.52, 0.72 and 14 with 0.94.
+const SAME_SURFACE: f32 = 0.77;
 
 /// Leads from the poses at which a contact was measured to the present ones.
 ///
@@ -56,7 +63,7 @@ impl Placement {
 /// normal is the one that the spheres carry, where that agrees with the sample's.
 pub(super) fn sliding(sample: &ContactSample, velocity: DVec3) -> f64 {
     let (normal, out) = (sample.normal, sample.outward);
-    let out = if out.dot(normal) >= SAME_DIRECTION { out.as_dvec3() } else { normal.as_dvec3() };
+    let out = if out.dot(normal) >= SAME_SURFACE { out.as_dvec3() } else { normal.as_dvec3() };
     (velocity - out * velocity.dot(out)).dot(normal.as_dvec3())
 }
 
