@@ -5,6 +5,7 @@ mod analytic;
 mod bolt;
 mod chain;
 mod collision;
+mod friction;
 mod gears;
 mod inside;
 mod pile;

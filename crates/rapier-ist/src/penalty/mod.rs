@@ -21,6 +21,7 @@ mod body;
 mod conjugate_gradients;
 mod damper_sum;
 mod elimination;
+mod friction;
 mod impact;
 mod island;
 mod material;
@@ -43,8 +44,9 @@ pub(crate) use twist::Screw;
 /// Most passes over contacts and friction.
 const MAX_PASSES: usize = 8;
 
-/// Passes end when the normal forces of no pair changed by more than this share of their sum, or of the load where that is
-/// larger.
+/// Passes end when the forces of no pair changed by more than this share of the sum of the normal ones, or of the load where that is
+/// larger. Friction counts: where it does not, what slides is held by 2 to 5 % too little, and just beyond the angle of friction it moves at
+/// an eighth of its speed; solves of a pile of 100 gears then take a quarter less.
 const PASS_TOLERANCE: f64 = 1e-3;
 
 /// Pairs that one task takes: some 20 µs. A choice.

@@ -2,6 +2,7 @@
 
 use super::body::SolverBody;
 use super::damper_sum::DamperSum;
+use super::friction::{Friction, Rebound};
 use super::impact::{Impact, ImpactStep};
 use super::material::Material;
 use super::patch::patches;
@@ -37,7 +38,7 @@ pub(crate) struct PairContacts {
     /// Relative twist before the step.
     before: Screw,
     /// Impulse of the rebound on b about [`Self::origin`], in this step.
-    rebound: Option<Screw>,
+    rebound: Option<Rebound>,
     dt: f64,
     /// The lesser of the forces besides contacts on those of the bodies that can move (N).
     load: f64,
@@ -104,6 +105,7 @@ impl PairContacts {
                 velocity,
                 force: 0.0,
                 damping: 0.0,
+                drag: 0.0,
             };
             let guess = if memory.force > 0.0 {
                 sample.velocity_of(memory.force * sample.push / whole, velocity.dot(normal))
@@ -134,6 +136,7 @@ impl PairContacts {
                 s.linearize_at(s.velocity);
             }
         }
+        let rebound = rebound.map(|impulse| Rebound::new(impulse, before));
         let patches: Vec<_> = patches.iter().map(|patch| PatchSum::of(patch, place)).collect();
         let depth = patches.iter().map(|patch| patch.depth).fold(0.0, f64::max);
         let movable = states.into_iter().filter(|state| state.is_movable());
@@ -163,42 +166,62 @@ impl PairContacts {
     /// tangent velocity.
     pub(crate) fn linearize(&mut self) {
         (self.offset, self.damping) = (Screw::ZERO, Symmetric6::ZERO);
-        let friction = self.material.friction * self.grip();
-        let mut samples = self.samples.iter();
+        let friction = self.friction();
+        let mut samples = self.samples.iter_mut();
         for patch in &mut self.patches {
             let (mut offset, mut dampers) = (Screw::ZERO, DamperSum::ZERO);
-            for s in samples.by_ref().take(patch.count).filter(|s| s.force > 0.0) {
-                let wanted = self.material.tangent_velocity.reject_from_normalized(s.normal);
-                let slip = (s.slip() - wanted).length();
-                let tangential = friction * s.force / slip.max(self.material.creep_speed);
-                dampers.add(s.normal, s.arm, [s.damping, tangential]);
-                let force = s.normal * (s.force + s.damping * s.velocity.dot(s.normal)) + wanted * tangential;
+            for s in samples.by_ref().take(patch.count) {
+                if s.force <= 0.0 {
+                    s.drag = 0.0;
+                    continue;
+                }
+                let wanted = friction.wanted(s.normal);
+                s.drag = friction.drag(s.force, (s.slip() - wanted).length());
+                dampers.add(s.normal, s.arm, [s.damping, s.drag]);
+                let force = s.normal * (s.force + s.damping * s.velocity.dot(s.normal)) + wanted * s.drag;
                 offset += Screw { linear: force, angular: s.arm.cross(force) };
             }
             (patch.offset, patch.damping) = (offset, dampers.matrix());
             self.offset += patch.offset;
             self.damping += patch.damping;
         }
-        if let Some(impulse) = self.rebound {
-            let wrench = impulse * (1.0 / self.dt);
+        if let Some(rebound) = &mut self.rebound {
+            let (wrench, damping) = rebound.linearize(&friction, self.dt);
             self.offset += wrench;
+            self.damping += damping;
             // Patches share it so that their wrenches add up to the pair's.
             let share = 1.0 / self.patches.len() as f64;
-            self.patches.iter_mut().for_each(|patch| patch.offset += wrench * share);
+            for patch in &mut self.patches {
+                patch.offset += wrench * share;
+                patch.damping += damping * share;
+            }
         }
     }
 
-    /// Takes over the relative twist of a solve for the next linearisation. Returns how far the forces of the law are
-    /// from those of the linearised system, relative to their sum or to what the lighter body bears besides contacts:
+    /// Takes over the relative twist of a solve for the next linearisation. Returns how far the forces of the law, friction among
+    /// them, are from those of the linearised system, relative to their sum or to what the lighter body bears besides contacts:
     /// contacts that hardly touch do not keep all others waiting.
     pub(crate) fn update(&mut self, twist: Screw) -> f64 {
         let (mut change, mut total) = (0.0, 0.0);
+        let friction = self.friction();
         for s in &mut self.samples {
-            let (solved, law) = s.update(twist.twist_at(s.arm).linear);
-            change += (solved - law).abs();
+            let velocity = twist.twist_at(s.arm).linear;
+            let slip = velocity.reject_from_normalized(s.normal) - friction.wanted(s.normal);
+            let (solved, law) = s.update(velocity);
+            let slip = slip.length();
+            change += (solved - law).abs() + (friction.drag(law, slip) - s.drag).abs() * slip;
             total += solved.abs().max(law);
         }
+        if let Some(rebound) = &mut self.rebound {
+            let (changed, force) = rebound.update(twist, &friction, self.dt);
+            change += changed;
+            total += force;
+        }
         if total > 0.0 { change / total.max(self.load) } else { 0.0 }
+    }
+
+    fn friction(&self) -> Friction {
+        Friction::new(&self.material, self.grip())
     }
 
     /// Share of the friction that the pair has.
@@ -211,6 +234,10 @@ impl PairContacts {
         for s in &self.samples {
             sum += s.normal * s.force;
             total += s.force;
+        }
+        if self.rebound.is_some() && total <= f64::MIN_POSITIVE {
+            // Nothing but the rebound pushes.
+            return 1.0;
         }
         (2.0 * sum.length() / total).min(1.0)
     }
@@ -233,7 +260,7 @@ impl PairContacts {
             force,
             end,
             impulse: self.impact.impulse + impulse,
-            rebound: self.rebound,
+            rebound: self.rebound.map(|rebound| rebound.impulse),
             impact: after,
         }
     }

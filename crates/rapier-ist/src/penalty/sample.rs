@@ -42,6 +42,8 @@ pub(crate) struct Sample {
     /// Normal force at that velocity (N), and minus its derivative by the normal velocity (N·s/m).
     pub(crate) force: f64,
     pub(crate) damping: f64,
+    /// Friction over slip, as last linearised (N·s/m).
+    pub(crate) drag: f64,
 }
 
 impl Sample {
@@ -169,6 +171,7 @@ mod tests {
             velocity: DVec3::ZERO,
             force: 0.0,
             damping: 0.0,
+            drag: 0.0,
         }
     }
 
