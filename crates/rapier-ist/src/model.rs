@@ -37,7 +37,7 @@ pub struct VolumePenalty {
     /// the inverse of [`Self::recovery_speed`].
     pub dissipation: Real,
     /// Maximum depenetration speed: the fastest that overlap alone pushes bodies apart (m/s, times Rapier's `length_unit`),
-    /// from 1e-6 to 1e6, 1 by default; never faster than by the smaller body's longest side in 0.5 s. Faster recovery is
+    /// from 1e-6 to 1e6, 1 by default; never faster than by the smaller body's longest side in 0.45 s. Faster recovery is
     /// damped; the force on bodies at rest stays the same.
     pub recovery_speed: Real,
     /// Stiction tolerance: the slip speed (m/s, times Rapier's `length_unit`) under which Coulomb friction goes over into
