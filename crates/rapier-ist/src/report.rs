@@ -41,7 +41,7 @@ pub enum ContactState {
 }
 
 /// Contact between two overlapping colliders, world frame. Volume and depth are those at the poses of the solve, which
-/// lie in the step; the centroid is moved back to its start.
+/// lie in the step; the centroid is moved back to its start with the bodies' centres of mass.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct PairContact {
