@@ -36,7 +36,7 @@ impl Friction {
 pub(super) struct Rebound {
     /// On the second body, about the origin of the pair.
     pub(super) impulse: Screw,
-    /// Direction of the impulse, and from the origin to the nearest point of its line of action.
+    /// Direction of the impulse, or zero, and from the origin to the nearest point of its line of action.
     normal: DVec3,
     arm: DVec3,
     /// Slip as last solved (m/s).
@@ -56,7 +56,7 @@ impl Rebound {
     }
 
     fn slip(&self, twist: Screw) -> DVec3 {
-        twist.twist_at(self.arm).linear.reject_from(self.normal)
+        twist.twist_at(self.arm).linear.reject_from_normalized(self.normal)
     }
 
     /// Mean force in a step of `dt` seconds (N).
@@ -82,5 +82,18 @@ impl Rebound {
         let slip = (self.slip - friction.wanted(self.normal)).length();
         let force = self.force(dt);
         ((friction.drag(force, slip) - self.drag).abs() * slip, force)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A slip that is no number would hide from the end of passes what else changes.
+    #[test]
+    fn a_rebound_of_nothing_has_a_slip() {
+        let approach = Screw { linear: DVec3::new(0.3, -2.0, 0.0), angular: DVec3::Z };
+        let rebound = Rebound::new(Screw::ZERO, approach);
+        assert!(rebound.slip.is_finite() && rebound.arm == DVec3::ZERO, "{rebound:?}");
     }
 }

@@ -63,10 +63,9 @@ impl PairContacts {
         let free = relative_twist(states.map(|state| (state, state.predicted)), origin);
         let patches = patches(&contact.samples);
         let whole = material.stiffness * volume;
-        let place = |point: DVec3| placement.arm(point);
         let mean = |twist: Screw| {
             let part = |s: &ContactSample| {
-                let velocity = twist.twist_at(place(s.point.as_dvec3())).linear;
+                let velocity = twist.twist_at(placement.arm(s.point.as_dvec3())).linear;
                 (velocity.dot(s.normal.as_dvec3()) - sliding(s, velocity)) * f64::from(s.volume)
             };
             contact.samples.iter().map(part).sum::<f64>() / volume.max(f64::MIN_POSITIVE)
@@ -80,8 +79,7 @@ impl PairContacts {
             patch.samples.iter().map(move |&s| (s, patch, push))
         });
         let placed = in_patches.map(|(s, patch, push)| {
-            let point = s.point.as_dvec3();
-            let arm = place(point);
+            let arm = placement.arm(s.point.as_dvec3());
             let normal = s.normal.as_dvec3();
             let velocity = before.twist_at(arm).linear;
             let moved = placement.moved(s) / dt;
@@ -137,7 +135,8 @@ impl PairContacts {
             }
         }
         let rebound = rebound.map(|impulse| Rebound::new(impulse, before));
-        let patches: Vec<_> = patches.iter().map(|patch| PatchSum::of(patch, place)).collect();
+        let patches: Vec<_> =
+            patches.iter().map(|patch| PatchSum::of(patch, |point| placement.arm(point))).collect();
         let depth = patches.iter().map(|patch| patch.depth).fold(0.0, f64::max);
         let movable = states.into_iter().filter(|state| state.is_movable());
         let load = movable.map(|state| state.external.linear.length()).fold(f64::INFINITY, f64::min);
