@@ -105,19 +105,49 @@ pub(super) struct LensLanes<S: Simd> {
 /// Distance of two centres, relative to the sum of the radii, below which balls count as concentric.
 const CONCENTRIC: f32 = 1e-6;
 
+/// The lines between the centres of eight pairs.
+#[derive(Clone, Copy)]
+pub(super) struct CenterLines<S: Simd> {
+    overlapping: mask32x8<S>,
+    /// Unit vectors from A's centres to B's; zero for concentric balls.
+    axis: Lanes3<S>,
+    /// Distance of the centres, at least that of concentric balls, and its inverse.
+    distance: f32x8<S>,
+    inverse: f32x8<S>,
+}
+
+impl<S: Simd> CenterLines<S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S, pairs: &PairLanes<S>) -> Self {
+        let PairLanes { center_a, center_b, radius_a, radius_b, live } = *pairs;
+        let delta = center_b.minus(center_a);
+        let (sum, squared) = (radius_a + radius_b, delta.dot(delta));
+        let overlapping = squared.simd_lt(sum * sum) & live;
+        // Concentric balls: any small positive distance gives the same clamped heights.
+        let distance = squared.sqrt().max(concentric(sum));
+        let inverse = f32x8::splat(simd, 1.0) / distance;
+        Self { overlapping, axis: delta.scale(inverse), distance, inverse }
+    }
+}
+
+/// Distance of two centres below which balls with this sum of radii count as concentric.
+#[inline(always)]
+fn concentric<S: Simd>(sum: f32x8<S>) -> f32x8<S> {
+    sum * CONCENTRIC + f32::MIN_POSITIVE
+}
+
 impl<S: Simd> LensLanes<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, pairs: &PairLanes<S>) -> Self {
-        let PairLanes { center_a, center_b, radius_a: a, radius_b: b, live } = *pairs;
-        let delta = center_b.minus(center_a);
-        let zero = f32x8::splat(simd, 0.0);
-        let (sum, squared) = (a + b, delta.dot(delta));
-        let overlapping = squared.simd_lt(sum * sum) & live;
-        // Concentric balls: any small positive distance gives the same clamped heights.
-        let (distance, concentric) = (squared.sqrt(), sum * CONCENTRIC + f32::MIN_POSITIVE);
-        let d = distance.max(concentric);
-        let inverse = f32x8::splat(simd, 1.0) / d;
-        let axis = delta.scale(inverse);
+        Self::along(simd, pairs, &CenterLines::new(simd, pairs))
+    }
+
+    /// The lenses of `pairs` whose centres `lines` connect.
+    #[inline(always)]
+    pub(super) fn along(simd: S, pairs: &PairLanes<S>, lines: &CenterLines<S>) -> Self {
+        let PairLanes { center_a, radius_a: a, radius_b: b, .. } = *pairs;
+        let CenterLines { overlapping, axis, distance: d, inverse } = *lines;
+        let (sum, zero) = (a + b, f32x8::splat(simd, 0.0));
         let h = overlapping.select(sum - d, zero);
         let half = h * inverse * 0.5;
         let h_a = (half * (b - a + d)).max(zero).min(a * 2.0);
@@ -128,7 +158,7 @@ impl<S: Simd> LensLanes<S> {
         let along = (chord_a * chord_a - chord_b * chord_b) * (PI / 4.0) + d * cap_b;
         let area = chord_a * PI;
         // The disc is at a − h_a from A's centre and at b − h_b from B's; contained balls have none.
-        let disc = chord_a.simd_gt(zero) & distance.simd_gt(concentric);
+        let disc = chord_a.simd_gt(zero) & d.simd_gt(concentric(sum));
         let transverse = disc.select(zero - area * inverse, zero);
         let second = disc.select((a - h_a) * (b - h_b) * inverse * (2.0 * PI), zero);
         Self {

@@ -1,6 +1,6 @@
 //! The sums that an overlap result is made of.
 
-use super::lens_lanes::{Lanes3, LensLanes, PairLanes};
+use super::lens_lanes::{CenterLines, Lanes3, LensLanes, PairLanes};
 use super::pairs::{PairBuffer, PairSink};
 use super::relative_pose::RelativePose;
 use super::stiffness::{StiffnessLanes, StiffnessSum};
@@ -118,9 +118,16 @@ impl TotalsSink<'_> {
         let mut stiffness = StiffnessLanes::zero(simd);
         let mut deepest = (f32x8::splat(simd, 0.0), u32x8::splat(simd, 0));
         let mut overlapping = 0;
+        // The centre lines of a block are found while the lenses of the one before it are. Their root and division take 40 cycles,
+        // and a block has as many instructions as a processor looks ahead: one after the other, queries take 6 to 16 % longer.
+        let last = (pairs.len() - 1) / WIDTH * WIDTH;
+        let mut ahead = PairLanes::gather(simd, pairs, 0, self.leaves, self.pose);
+        let mut lines_ahead = CenterLines::new(simd, &ahead.0);
         for first in (0..pairs.len()).step_by(WIDTH) {
-            let (balls, [of_a, of_b]) = PairLanes::gather(simd, pairs, first, self.leaves, self.pose);
-            let lens = LensLanes::new(simd, &balls);
+            let ((balls, [of_a, of_b]), lines) = (ahead, lines_ahead);
+            ahead = PairLanes::gather(simd, pairs, last.min(first + WIDTH), self.leaves, self.pose);
+            lines_ahead = CenterLines::new(simd, &ahead.0);
+            let lens = LensLanes::along(simd, &balls, &lines);
             overlapping += lens.overlapping.to_bitmask().count_ones();
             volume += lens.volume;
             moment = moment.plus(lens.moment);
