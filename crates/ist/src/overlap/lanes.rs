@@ -143,11 +143,11 @@ pub(super) fn live_lanes<S: Simd>(simd: S, len: usize, first: usize) -> mask32x8
 #[inline(always)]
 pub(super) fn lanes_in<S: Simd>(simd: S, mask: mask32x8<S>) -> (u32x8<S>, usize) {
     let bits = mask.to_bitmask() as u8;
-    (u32x8::load_array_ref(simd, &LANES_IN[usize::from(bits)]), bits.count_ones() as usize)
+    (u32x8::load_array_ref(simd, &LANES_IN.0[usize::from(bits)]), bits.count_ones() as usize)
 }
 
 /// [`lanes_in`] for every mask, zeros behind.
-static LANES_IN: [[u32; WIDTH]; 1 << WIDTH] = {
+static LANES_IN: LaneTable = LaneTable({
     let mut table = [[0; WIDTH]; 1 << WIDTH];
     let mut mask = 0;
     while mask < table.len() {
@@ -162,4 +162,8 @@ static LANES_IN: [[u32; WIDTH]; 1 << WIDTH] = {
         mask += 1;
     }
     table
-};
+});
+
+/// Aligned: of the rows of a table that begins anywhere, half lie in two cache lines.
+#[repr(align(32))]
+struct LaneTable([[u32; WIDTH]; 1 << WIDTH]);
