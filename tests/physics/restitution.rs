@@ -46,17 +46,17 @@ fn balls_rebound_to_the_height_that_theory_gives() {
     }
 }
 
+/// Impacts that took two to twenty steps lost energy: at 1 kHz a ball with e = 1 rebounded to 0.4 of the height, and at 2 kHz, with
+/// e = 0.7, to 0.72.
 #[test]
-fn rebounds_do_not_depend_on_the_time_step() {
+fn issue_rebounds_do_not_depend_on_the_time_step() {
     let shape = ball();
-    for restitution in [0.3, 0.7] {
-        // Contacts of two to ten steps are neither an impact nor resolved in time: they lose up to a third of the height.
-        for (rate, tolerance) in
-            [(30.0, 0.1), (60.0, 0.1), (240.0, 0.1), (2000.0, 0.35), (10000.0, 0.1), (30000.0, 0.1)]
+    for restitution in [0.3, 0.7, 1.0] {
+        for rate in [30.0, 60.0, 120.0, 240.0, 500.0, 700.0, 1000.0, 1400.0, 2000.0, 5000.0, 10000.0, 30000.0]
         {
             let share = rebound(&shape, restitution, 1.0, 1.0 / rate) / (restitution * restitution);
             println!("e = {restitution} at {rate} Hz: {share} of the height");
-            assert!((share - 1.0).abs() < tolerance, "{rate} Hz: {share}");
+            assert!((share - 1.0).abs() < 0.1, "{rate} Hz: {share}");
         }
     }
 }

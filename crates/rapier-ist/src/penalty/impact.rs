@@ -25,6 +25,8 @@ pub(crate) struct Impact {
     pub(crate) impulse: Screw,
     /// Energy that it took from the bodies (J).
     pub(crate) lost: f64,
+    /// Whether it could stop the bodies within a step, in any step so far.
+    pub(crate) stiff: bool,
     /// Whether the rebound of a stiff contact was given.
     pub(crate) rebounded: bool,
     /// Steps since the fastest approach.
@@ -47,7 +49,7 @@ impl Impact {
         if approach <= least {
             self
         } else if self.rebounded || approach > self.speed {
-            Self { speed: approach, impulse: Screw::ZERO, lost: 0.0, rebounded: false, steps: 0 }
+            Self { speed: approach, ..Self::default() }
         } else {
             self
         }
@@ -84,11 +86,15 @@ impl Impact {
             self.speed * before / step.before
         };
         let speed = material.restitution * approach + ACCELERATION * (free - before);
-        // Never more than the energy that the impact took, whatever its parts were.
-        let most = (free * free + 2.0 * compliance * self.lost.max(0.0)).sqrt();
-        let speed = speed.min(most) - free;
-        let rebound = impulse * ((speed / compliance).max(0.0) / size);
+        let change = (speed - free).min(self.most(compliance, free));
+        let rebound = impulse * ((change / compliance).max(0.0) / size);
         rebound.is_finite().then_some(rebound)
+    }
+
+    /// The greatest change of the velocity along an impulse that gives back no more than the energy that the impact took so far, whatever
+    /// its parts were (m/s); the arguments as in [`Self::rebound`].
+    pub(crate) fn most(&self, compliance: f64, free: f64) -> f64 {
+        (free * free + 2.0 * compliance * self.lost.max(0.0)).sqrt() - free
     }
 
     fn was_stopped(&self, step: &ImpactStep) -> bool {
@@ -108,6 +114,7 @@ impl Impact {
             speed: self.speed + share * (step.before - step.free).max(0.0),
             impulse: self.impulse + impulse,
             lost: self.lost + lost,
+            stiff: self.stiff,
             rebounded: self.rebounded || rebounds,
             steps: self.steps.saturating_add(1),
         }

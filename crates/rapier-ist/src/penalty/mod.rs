@@ -29,6 +29,7 @@ mod pair;
 mod patch;
 mod patch_sum;
 mod placement;
+mod resolved;
 mod sample;
 mod system;
 mod twist;

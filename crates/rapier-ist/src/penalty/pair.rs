@@ -8,6 +8,7 @@ use super::material::Material;
 use super::patch::patches;
 use super::patch_sum::PatchSum;
 use super::placement::{Placement, sliding};
+use super::resolved::resolve;
 use super::sample::Sample;
 use super::twist::{Screw, Symmetric6};
 use crate::memory::PairMemory;
@@ -15,8 +16,8 @@ use crate::query::Contact;
 use ist::ContactSample;
 use rapier3d::glamx::DVec3;
 
-/// Contacts that can stop the bodies within a step, `h² k A > STOPS_WITHIN_A_STEP · m`, have their whole rebound in the step
-/// after. Softer ones rebound over several steps by their dissipation.
+/// Impacts that can stop the bodies within a step, `h² k A > STOPS_WITHIN_A_STEP · m`, have their whole rebound in the step
+/// after. Softer ones take several steps ([`resolve`]).
 const STOPS_WITHIN_A_STEP: f64 = 0.5;
 
 /// Share of the lighter body's load below which a force is small. Not tuned.
@@ -63,6 +64,8 @@ impl PairContacts {
         let free = relative_twist(states.map(|state| (state, state.predicted)), origin);
         let patches = patches(&contact.samples);
         let whole = material.stiffness * volume;
+        let compliance =
+            |along: Screw| states.iter().map(|state| state.compliance(origin, along)).sum::<f64>();
         let mean = |twist: Screw| {
             let part = |s: &ContactSample| {
                 let velocity = twist.twist_at(placement.arm(s.point.as_dvec3())).linear;
@@ -71,8 +74,9 @@ impl PairContacts {
             contact.samples.iter().map(part).sum::<f64>() / volume.max(f64::MIN_POSITIVE)
         };
         let step = ImpactStep { before: mean(before), free: mean(free), end: memory.end };
-        let impact = memory.impact.approached(-step.before, material.rebound_speed);
+        let mut impact = memory.impact.approached(-step.before, material.rebound_speed);
         let dissipation = material.dissipation(impact);
+        let mut stiff = false;
         let in_patches = patches.iter().flat_map(|patch| {
             let push: f64 =
                 patch.samples.iter().map(|s| f64::from(s.volume)).sum::<f64>() * material.stiffness;
@@ -83,23 +87,18 @@ impl PairContacts {
             let normal = s.normal.as_dvec3();
             let velocity = before.twist_at(arm).linear;
             let moved = placement.moved(s) / dt;
-            let push_there = Screw { linear: normal, angular: arm.cross(normal) };
-            let compliance: f64 = states.iter().map(|state| state.compliance(origin, push_there)).sum();
-            let gain = push * compliance * dt;
+            let gain = push * compliance(Screw { linear: normal, angular: arm.cross(normal) }) * dt;
             let (rate, inward) = (dt / patch.depth, -velocity.dot(normal));
             let sliding = sliding(s, velocity);
-            let stiff = gain * rate > STOPS_WITHIN_A_STEP;
-            // The end of the step sees the force half a step early, which dissipates by h/2D.
-            let lead = if impact.speed > 0.0 && !stiff { 0.5 * rate } else { 0.0 };
+            stiff |= gain * rate > STOPS_WITHIN_A_STEP;
             let mut sample = Sample {
                 arm,
                 normal,
                 push: material.stiffness * f64::from(s.volume),
                 rate,
                 moved,
-                dissipation: (dissipation - lead).max(-0.5 / (moved - sliding).abs().max(f64::MIN_POSITIVE)),
+                dissipation,
                 sliding,
-                stiff,
                 velocity,
                 force: 0.0,
                 damping: 0.0,
@@ -116,13 +115,16 @@ impl PairContacts {
         // Collected, they would move each time that the vector grows: the iterator does not know how many there are.
         let mut samples: Vec<Sample> = Vec::with_capacity(contact.samples.len());
         samples.extend(placed);
+        // Once stiff, to its end: what was stopped within a step does not come back by itself.
+        impact.stiff |= stiff;
+        if material.restitution > 0.0 && impact.speed > 0.0 && !impact.stiff {
+            resolve(&mut samples, &impact, free, dt, compliance);
+        }
         let rebound = memory.rebound.or_else(|| {
-            let is_stiff = samples.iter().any(|s| s.stiff);
             let along = memory.impulse * (1.0 / memory.impulse.linear.length());
-            let compliance = states.iter().map(|state| state.compliance(origin, along)).sum();
             let speeds = [before.dot(along), free.dot(along)];
-            let impulse = (memory.impulse, compliance);
-            (is_stiff && impact.rebounds(&material, &step))
+            let impulse = (memory.impulse, compliance(along));
+            (impact.stiff && impact.rebounds(&material, &step))
                 .then(|| impact.rebound(&material, &step, impulse, speeds))
                 .flatten()
         });
@@ -247,8 +249,7 @@ impl PairContacts {
         for s in &self.samples {
             force += s.force;
             power += s.force * (twist.twist_at(s.arm).linear.dot(s.normal) - s.sliding);
-            let push = s.normal * s.force;
-            wrench += Screw { linear: push, angular: s.arm.cross(push) };
+            wrench += s.along_normal(s.force);
         }
         let end = if force > 0.0 { power / force } else { self.step.end.max(0.0) };
         let impulse = wrench * self.dt;
@@ -273,7 +274,8 @@ impl PairContacts {
         };
         self.rebound.is_none()
             && self.impact.may_rebound(&self.material)
-            && self.samples.iter().any(|s| s.force > 0.0 && s.stiff)
+            && self.impact.stiff
+            && self.samples.iter().any(|s| s.force > 0.0)
             && rebounds()
     }
 
