@@ -4,8 +4,8 @@
 //! bodies would reach in a step of length h. The force at the *end* of the step is a function of the velocities there,
 //! `f = k V (1 + h/2D n·(u* − u'))² (1 − δ (n·u' − s))`, with the relative velocities u' at the end of the step and u* that led to
 //! the predicted poses, the part s of n·u' that is sliding over bumps, and the depth D of the patch that the sample belongs to (volume over
-//! cross-section, see [`patch`] and [`sample`]). With tangents of f and friction `μ f / max(|u_t|, u_creep)` across the normals the final
-//! velocities solve
+//! cross-section, see [`patch`] and [`sample`]). Rebounds of several steps have the force at the beginning ([`resolved`]). With
+//! tangents of f and friction `μ f / max(|u_t|, u_creep)` across the normals the final velocities solve
 //!
 //! `(M + h Σ Jᵀ K J) v' = M v* + h Σ Jᵀ r`, `v* = v + h M⁻¹ (gravity and other forces)`,
 //!
