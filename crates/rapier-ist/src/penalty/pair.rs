@@ -115,7 +115,8 @@ impl PairContacts {
         // Collected, they would move each time that the vector grows: the iterator does not know how many there are.
         let mut samples: Vec<Sample> = Vec::with_capacity(contact.samples.len());
         samples.extend(placed);
-        // Once stiff, to its end: what was stopped within a step does not come back by itself.
+        // Once stiff, to its end: what was stopped within a step does not come back by itself. Where nothing is to come back, what the
+        // implicit force takes is welcome.
         impact.stiff |= stiff;
         if material.restitution > 0.0 && impact.speed > 0.0 && !impact.stiff {
             resolve(&mut samples, &impact, free, dt, compliance);

@@ -2,8 +2,9 @@
 //!
 //! Their rebound is what the force gives back, so the steps must not take energy, nor make any. The force at the end of a step takes a
 //! share: a ball dropped from 1 m with e = 1 rebounded to 0.40 m at 1 kHz and to 0.84 m at 5 kHz, though half a
-//! step was taken back. The force at its beginning takes none where the poses follow with the velocities at its end (symplectic Euler),
-//! and it is stable, as nothing that could stop the bodies within a step gets here.
+//! step was taken back. The force at its beginning takes none where the poses follow with the velocities at its end: that is symplectic
+//! Euler (E. Hairer, C. Lubich and G. Wanner, *Geometric Numerical Integration*, 2006, section I.1.2). It is stable up to h² k A = 4 m,
+//! and what comes here is below an eighth of that.
 
 use super::impact::Impact;
 use super::sample::Sample;
