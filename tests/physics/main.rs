@@ -11,6 +11,7 @@ mod inside;
 mod pile;
 mod restitution;
 mod rolling;
+mod slender;
 mod sliding;
 mod slope;
 mod soak;

@@ -71,7 +71,9 @@ impl VolumePenalty {
 /// smaller body's size L (m).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Stiffness {
-    /// From the lighter body's weight and the smaller body's size.
+    /// `5e4 m g / s³` with the mass m (kg) of the lighter dynamic body, gravity g (m/s², at least 1) and the size s (m) of the
+    /// smaller collider: the longest side L of its box in its own frame, and 4.5 times its thickness √(V/L) where that is less,
+    /// as in bodies of a volume V below L³/20. Of triangle meshes, convex hulls and the like only the side counts.
     #[default]
     Automatic,
     /// The same for every pair (N/m³), zero or positive; negative values and NaN count as zero.
