@@ -26,6 +26,7 @@ mod impact;
 mod island;
 mod material;
 mod pair;
+mod pair_state;
 mod patch;
 mod patch_sum;
 mod placement;

@@ -5,20 +5,15 @@ use super::damper_sum::DamperSum;
 use super::friction::{Friction, Rebound};
 use super::impact::{Impact, ImpactStep};
 use super::material::Material;
+use super::pair_state::{PairState, SampleLaw};
 use super::patch::patches;
 use super::patch_sum::PatchSum;
-use super::placement::{Placement, sliding};
 use super::resolved::resolve;
 use super::sample::Sample;
 use super::twist::{Screw, Symmetric6};
 use crate::memory::PairMemory;
 use crate::query::Contact;
-use ist::ContactSample;
 use rapier3d::glamx::DVec3;
-
-/// Impacts that can stop the bodies within a step, `h² k A > STOPS_WITHIN_A_STEP · m`, have their whole rebound in the step
-/// after. Softer ones take several steps ([`resolve`]).
-const STOPS_WITHIN_A_STEP: f64 = 0.5;
 
 /// Share of the lighter body's load below which a force is small. Not tuned.
 const SMALL_SHARE: f64 = 0.1;
@@ -57,74 +52,24 @@ impl PairContacts {
         contact: &Contact,
         dt: f64,
     ) -> Self {
-        let volume: f64 = contact.samples.iter().map(|s| f64::from(s.volume)).sum();
-        let placement = Placement::of(states, contact);
-        let origin = placement.origin;
-        let before = relative_twist(states.map(|state| (state, state.velocity)), origin);
-        let free = relative_twist(states.map(|state| (state, state.predicted)), origin);
+        let pair = PairState::new(states, contact, dt);
         let patches = patches(&contact.samples);
-        let whole = material.stiffness * volume;
-        let compliance =
-            |along: Screw| states.iter().map(|state| state.compliance(origin, along)).sum::<f64>();
-        let mean = |twist: Screw| {
-            let part = |s: &ContactSample| {
-                let velocity = twist.twist_at(placement.arm(s.point.as_dvec3())).linear;
-                (velocity.dot(s.normal.as_dvec3()) - sliding(s, velocity)) * f64::from(s.volume)
-            };
-            contact.samples.iter().map(part).sum::<f64>() / volume.max(f64::MIN_POSITIVE)
-        };
-        let step = ImpactStep { before: mean(before), free: mean(free), end: memory.end };
+        let step =
+            ImpactStep { before: pair.opening(pair.before), free: pair.opening(pair.free), end: memory.end };
         let mut impact = memory.impact.approached(-step.before, material.rebound_speed);
         let dissipation = material.dissipation(impact);
-        let mut stiff = false;
-        let in_patches = patches.iter().flat_map(|patch| {
-            let push: f64 =
-                patch.samples.iter().map(|s| f64::from(s.volume)).sum::<f64>() * material.stiffness;
-            patch.samples.iter().map(move |&s| (s, patch, push))
-        });
-        let placed = in_patches.map(|(s, patch, push)| {
-            let arm = placement.arm(s.point.as_dvec3());
-            let normal = s.normal.as_dvec3();
-            let velocity = before.twist_at(arm).linear;
-            let moved = placement.moved(s) / dt;
-            let gain = push * compliance(Screw { linear: normal, angular: arm.cross(normal) }) * dt;
-            let (rate, inward) = (dt / patch.depth, -velocity.dot(normal));
-            let sliding = sliding(s, velocity);
-            stiff |= gain * rate > STOPS_WITHIN_A_STEP;
-            let mut sample = Sample {
-                arm,
-                normal,
-                push: material.stiffness * f64::from(s.volume),
-                rate,
-                moved,
-                dissipation,
-                sliding,
-                velocity,
-                force: 0.0,
-                damping: 0.0,
-                drag: 0.0,
-            };
-            let guess = if memory.force > 0.0 {
-                sample.velocity_of(memory.force * sample.push / whole, velocity.dot(normal))
-            } else {
-                sample.guess(gain, free.twist_at(arm).linear.dot(normal))
-            };
-            sample.linearize_at(velocity + normal * (guess + inward));
-            sample
-        });
-        // Collected, they would move each time that the vector grows: the iterator does not know how many there are.
-        let mut samples: Vec<Sample> = Vec::with_capacity(contact.samples.len());
-        samples.extend(placed);
+        let law = SampleLaw { material: &material, dissipation, last_force: memory.force };
+        let (mut samples, stiff) = pair.samples(&patches, &law);
         // Once stiff, to its end: what was stopped within a step does not come back by itself. Where nothing is to come back, what the
         // implicit force takes is welcome.
         impact.stiff |= stiff;
         if material.restitution > 0.0 && impact.speed > 0.0 && !impact.stiff {
-            resolve(&mut samples, &impact, free, dt, compliance);
+            resolve(&mut samples, &impact, pair.free, dt, |along| pair.compliance(along));
         }
         let rebound = memory.rebound.or_else(|| {
             let along = memory.impulse * (1.0 / memory.impulse.linear.length());
-            let speeds = [before.dot(along), free.dot(along)];
-            let impulse = (memory.impulse, compliance(along));
+            let speeds = [pair.before.dot(along), pair.free.dot(along)];
+            let impulse = (memory.impulse, pair.compliance(along));
             (impact.stiff && impact.rebounds(&material, &step))
                 .then(|| impact.rebound(&material, &step, impulse, speeds))
                 .flatten()
@@ -137,27 +82,21 @@ impl PairContacts {
                 s.linearize_at(s.velocity);
             }
         }
-        let rebound = rebound.map(|impulse| Rebound::new(impulse, before));
-        let patches: Vec<_> =
-            patches.iter().map(|patch| PatchSum::of(patch, |point| placement.arm(point))).collect();
-        let depth = patches.iter().map(|patch| patch.depth).fold(0.0, f64::max);
-        let movable = states.into_iter().filter(|state| state.is_movable());
-        let load = movable.map(|state| state.external.linear.length()).fold(f64::INFINITY, f64::min);
-        let (offset, damping) = (Screw::ZERO, Symmetric6::ZERO);
+        let arm = |point| pair.placement.arm(point);
         Self {
-            origin,
-            depth,
+            origin: pair.placement.origin,
+            depth: patches.iter().map(|patch| patch.depth).fold(0.0, f64::max),
             material,
             samples,
-            patches,
+            patches: patches.iter().map(|patch| PatchSum::of(patch, arm)).collect(),
             impact,
             step,
-            before,
-            rebound,
+            before: pair.before,
+            rebound: rebound.map(|impulse| Rebound::new(impulse, pair.before)),
             dt,
-            load,
-            offset,
-            damping,
+            load: pair.load(),
+            offset: Screw::ZERO,
+            damping: Symmetric6::ZERO,
         }
     }
 
@@ -300,10 +239,4 @@ impl PairContacts {
     pub(crate) fn damping(&self) -> &Symmetric6 {
         &self.damping
     }
-}
-
-/// Velocity of the second body relative to the first at `at`.
-fn relative_twist(bodies: [(&SolverBody, Screw); 2], at: DVec3) -> Screw {
-    let [a, b] = bodies.map(|(body, twist)| twist.twist_at(at - body.center_of_mass));
-    b - a
 }
