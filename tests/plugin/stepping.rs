@@ -137,3 +137,28 @@ fn runs_are_equal_bit_for_bit_on_any_number_of_threads() {
     };
     assert_eq!(run(1), run(2));
 }
+
+#[test]
+fn bodies_move_the_same_whatever_touches_elsewhere() {
+    let bounce = |others: usize| {
+        let (mut world, mut plugin) = grounded();
+        let ball = |x: f32, y: f32| {
+            (dynamic(Vector::new(x, y, 0.0)).can_sleep(false), ball_collider().restitution(0.8))
+        };
+        let (body, collider) = ball(0.0, 0.5);
+        let bouncing = world.insert(body, collider).0;
+        for i in 0..others {
+            let (body, collider) = ball(2.0 + i as f32, 0.1);
+            world.insert(body, collider.restitution(0.0));
+        }
+        let heights = (0..240).map(|_| {
+            plugin.step(&mut world);
+            height(&world, bouncing)
+        });
+        heights.collect::<Vec<f32>>()
+    };
+    let alone = bounce(0);
+    // The ground has no restitution of its own: e = 0.4.
+    assert!(alone.iter().skip(18).any(|height| *height > 0.16), "{alone:?}");
+    assert_eq!(alone, bounce(3));
+}

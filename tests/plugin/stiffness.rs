@@ -18,6 +18,29 @@ fn measured(configure: impl FnOnce(&mut IstPlugin, [ColliderHandle; 2])) -> f32 
     body.mass() * 9.81 / (std::f32::consts::PI * h * h * (3.0 * RADIUS - h) / 3.0)
 }
 
+#[test]
+fn what_presses_a_body_down_does_not_press_it_in() {
+    for (times, expected) in [(0.0_f32, 1.0_f32), (8.0, 9.0), (19.0, 10.0), (99.0, 10.0)] {
+        let (mut world, mut plugin) = grounded();
+        let (body, _) = world.insert(dynamic(Vector::Y * 0.1).can_sleep(false), ball_collider());
+        let weight = 9.81 * world.bodies[body].mass();
+        world.bodies[body].add_force(times * weight * Vector::NEG_Y, true);
+        plugin.step(&mut world);
+        // Nothing touched it when the force began.
+        assert!(height(&world, body) > 0.9 * RADIUS, "{times}: {} m", height(&world, body));
+        run(&mut plugin, &mut world, 300);
+        // In units of 1/50,000 of the size cubed, the overlap by its own weight. It trembles: solves are right to a thousandth of the force.
+        let mut overlap = || {
+            plugin.step(&mut world);
+            let h = RADIUS - height(&world, body);
+            let volume = std::f32::consts::PI * h * h * (3.0 * RADIUS - h) / 3.0;
+            5e4 * volume / (8.0 * RADIUS * RADIUS * RADIUS)
+        };
+        let mean = (0..300).map(|_| overlap()).sum::<f32>() / 300.0;
+        assert!((mean / expected - 1.0).abs() < 0.1, "{times} times its weight: {mean}, wanted {expected}");
+    }
+}
+
 fn assert_stiffness(measured: f32, expected: f32) {
     assert!((measured / expected - 1.0).abs() < 0.02, "{measured:e} N/m³, wanted {expected:e}");
 }

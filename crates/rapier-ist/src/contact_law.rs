@@ -27,6 +27,14 @@ const RELATIVE_STIFFNESS: f64 = 5e4;
 /// high then, and 40 mm too low before. Compact bodies are as before: a ring a fifth as thick as it is wide, and a disc a tenth, have 3.6.
 const SLENDER: f64 = 4.5;
 
+/// A contact that carries more than so many times the lighter body's weight is as much stiffer: it never overlaps by more than ten
+/// times what the weight alone makes it.
+///
+/// Eight rings of 26 cm with tubes of 8, 4 and 2 cm hang from each other, the last of which is a hundred times as heavy as the others:
+/// 20 mm longer, torn and torn without this; 7, 15 and 15 mm longer with 10, 9, 10 and 8 mm with 3. A thousand times as heavy, that of 8 cm
+/// is torn without this, and 12 and 8 mm longer. With 10 most piles and stacks have no such contacts.
+const HEAVY: f64 = 10.0;
+
 /// Approach speed (m/s, times `length_unit`) under which nothing rebounds, so that resting bodies come to rest: a little
 /// more than gravity adds in a step of 1/60 s. Not tuned.
 const REBOUND_SPEED: f64 = 0.2;
@@ -51,8 +59,13 @@ pub(crate) struct ContactLaw<'a> {
     pub(crate) stiffness: &'a StiffnessTable,
 }
 
-/// Material of a pair, after Rapier's combine rules and the user's hook.
-pub(crate) fn material(world: &WorldParts<'_>, contact: &Contact, law: ContactLaw<'_>) -> Material {
+/// Material of a pair that carries `load` (N), after Rapier's combine rules and the user's hook.
+pub(crate) fn material(
+    world: &WorldParts<'_>,
+    contact: &Contact,
+    load: f64,
+    law: ContactLaw<'_>,
+) -> Material {
     let penalty = law.penalty;
     let [a, b] = contact.candidate.colliders.map(|handle| world.colliders[handle].material());
     let modified = ModifiedContacts::of(world, contact.candidate.colliders).unwrap_or_else(|| {
@@ -70,7 +83,7 @@ pub(crate) fn material(world: &WorldParts<'_>, contact: &Contact, law: ContactLa
     });
     let unit = f64::from(world.integration_parameters.length_unit);
     Material {
-        stiffness: stiffness(world, contact, law),
+        stiffness: stiffness(world, contact, load, law),
         dissipation: f64::from(penalty.dissipation),
         // NaN passes through a clamp.
         friction: modified.friction.clamp(0.0, MOST_FRICTION).max(0.0).into(),
@@ -85,11 +98,11 @@ pub(crate) fn material(world: &WorldParts<'_>, contact: &Contact, law: ContactLa
 }
 
 /// Stiffness (N/m³) of a pair: the callback's, else the colliders' own, else the model's.
-fn stiffness(world: &WorldParts<'_>, contact: &Contact, law: ContactLaw<'_>) -> f64 {
+fn stiffness(world: &WorldParts<'_>, contact: &Contact, load: f64, law: ContactLaw<'_>) -> f64 {
     let [collider_a, collider_b] = contact.candidate.colliders;
     let stiffness =
         law.stiffness.of_colliders([collider_a, collider_b]).unwrap_or_else(|| match law.penalty.stiffness {
-            Stiffness::Automatic => automatic_stiffness(world, contact),
+            Stiffness::Automatic => automatic_stiffness(world, contact, load),
             Stiffness::Uniform(stiffness) => valid(stiffness),
         });
     let parent = |collider| world.colliders.get(collider).and_then(Collider::parent);
@@ -109,13 +122,13 @@ fn stiffness(world: &WorldParts<'_>, contact: &Contact, law: ContactLaw<'_>) -> 
 
 /// Stiffness (N/m³) at which the lighter body's weight makes it sink by a small share of the smaller body's size L:
 /// weight = k A d, with the contact's cross-section A and depth d in units of L² and L.
-fn automatic_stiffness(world: &WorldParts<'_>, contact: &Contact) -> f64 {
-    let lighter = lighter_mass(world, contact);
+fn automatic_stiffness(world: &WorldParts<'_>, contact: &Contact, load: f64) -> f64 {
     let unit = f64::from(world.integration_parameters.length_unit);
     // Without gravity something must stop a body all the same: a metre per second squared, in units of length.
     let gravity = f64::from(world.gravity.length()).max(unit);
     let [a, b] = contact.candidate.colliders.map(|handle| size(world.colliders[handle].shape()));
-    let stiffness = RELATIVE_STIFFNESS * lighter * gravity / a.min(b).powi(3);
+    let weight = (lighter_mass(world, contact) * gravity).max(load / HEAVY);
+    let stiffness = RELATIVE_STIFFNESS * weight / a.min(b).powi(3);
     if stiffness.is_finite() { stiffness } else { 0.0 }
 }
 

@@ -73,7 +73,9 @@ impl VolumePenalty {
 pub enum Stiffness {
     /// `5e4 m g / s³` with the mass m (kg) of the lighter dynamic body, gravity g (m/s², at least 1) and the size s (m) of the
     /// smaller collider: the longest side L of its box in its own frame, and 4.5 times its thickness √(V/L) where that is less,
-    /// as in bodies of a volume V below L³/20. Of triangle meshes, convex hulls and the like only the side counts.
+    /// as in bodies of a volume V below L³/20. Of triangle meshes, convex hulls and the like only the side counts. A contact that carries
+    /// more than ten times `m g`, as of late and at most all that acts on the bodies it hangs together with, has a tenth of that instead
+    /// of `m g`.
     #[default]
     Automatic,
     /// The same for every pair (N/m³), zero or positive; negative values and NaN count as zero.

@@ -25,7 +25,7 @@ pub(crate) fn respond(
         candidate.touched = memory.contains_key(&candidate.colliders);
     }
     let mut found = timed(&mut report.query_seconds, || contacts(world.colliders, &mut candidates));
-    if found.iter().all(Option::is_none) || dt.is_nan() || dt <= 0.0 {
+    if candidates.is_empty() || dt.is_nan() || dt <= 0.0 {
         memory.clear();
         return Vec::new();
     }
@@ -97,6 +97,9 @@ fn collect(
     report: &mut StepReport,
 ) -> Vec<BodyForce> {
     let mut sums = vec![Screw::ZERO; bodies.states.len()];
+    // A body that touches nothing is Rapier's alone: it flies the same whatever else is in the world.
+    let mut touches = vec![false; bodies.states.len()];
+    pairs.iter().flatten().for_each(|&body| touches[body] = true);
     for Solved { pair, contacts: solved, twist, relative_velocity } in solved {
         let (origin, wrench) = (solved.origin, solved.wrench(twist));
         let mut of_patches = solved.patches.iter().flat_map(|patch| {
@@ -137,7 +140,7 @@ fn collect(
             relative_velocity: relative_velocity.linear.as_vec3(),
         });
     }
-    let moved = (0..bodies.handles.len()).filter(|&i| bodies.states[i].is_movable());
+    let moved = (0..bodies.handles.len()).filter(|&i| touches[i] && bodies.states[i].is_movable());
     let force = |i: usize| {
         let body = &bodies.states[i];
         let last = body.impulse_of(states[i]) * (1.0 / dt);

@@ -23,8 +23,10 @@ pub(crate) struct Solution {
 /// A contact is measured again where it moved by more than this share of its depth from where it was measured. Not tuned.
 const STALE: f64 = 0.25;
 
-/// A pair that did not touch is looked at again where it moved by more than this share of its size, and how far it was apart,
-/// from where it was. Not tuned.
+/// A pair that did not touch is looked at again where it moved by more than this share of its size, how far it was apart, and what
+/// gravity moves a body by in a step, from where it was. Not tuned.
+///
+/// Gravity alone is not looked ahead: it would have all that lies beside something measured twice in every step.
 const STALE_GAP: f64 = 1e-3;
 
 impl Solution {
@@ -62,6 +64,7 @@ impl Solution {
                 (state.predicted + state.root_times(self.states[body])) * dt,
             )
         };
+        let fall = f64::from(world.gravity.length()) * dt * dt;
         let mut strains = vec![0.0; candidates.len()];
         let touching = (0..found.len()).filter(|&index| found[index].is_some());
         for (solved, index) in self.solved.iter().zip(touching) {
@@ -74,8 +77,8 @@ impl Solution {
                 Some(_) => strains[index] > STALE,
                 None => {
                     let [a, b] = [0, 1].map(|i| displacements[i] - candidate.displacements[i]);
-                    a.reach(&b, candidate.size)
-                        > STALE_GAP * f64::from(candidate.size) + f64::from(candidate.clearance)
+                    let near = STALE_GAP * f64::from(candidate.size) + f64::from(candidate.clearance) + fall;
+                    a.reach(&b, candidate.size) > near
                 }
             };
             if far {
@@ -110,16 +113,23 @@ pub(crate) fn solve(
         contacts.iter().map(|contact| bodies.pair(world, &contact.candidate)).collect();
     let movable: Vec<bool> = bodies.states.iter().map(SolverBody::is_movable).collect();
     let [before, last] = start.memories;
+    let islands = islands(&pairs, &movable);
+    let most = most_loads(bodies, &islands, &pairs);
+    let of = |index: usize, memory: &Memory| {
+        let contact: &Contact = contacts[index];
+        memory.get(&contact.candidate.colliders).copied().unwrap_or_default()
+    };
     // The user's law is asked about one pair after the other.
-    let materials: Vec<Option<Material>> = contacts
-        .iter()
-        .zip(&start.known)
-        .map(|(contact, known)| known.is_none().then(|| material(world, contact, law)))
+    let materials: Vec<Option<Material>> = (0..contacts.len())
+        .map(|index| {
+            let load = || of(index, before).load.min(most[index]);
+            start.known[index].is_none().then(|| material(world, contacts[index], load(), law))
+        })
         .collect();
     let new = |index: usize, material: Material| {
         let contact = contacts[index];
-        let of = |memory: &Memory| memory.get(&contact.candidate.colliders).copied().unwrap_or_default();
-        let memory = PairMemory { impact: of(before).impact, ..of(last) };
+        let PairMemory { impact, load, .. } = of(index, before);
+        let memory = PairMemory { impact, load, ..of(index, last) };
         let states = pairs[index].map(|body| &bodies.states[body]);
         PairContacts::new(states, (material, memory), contact, dt)
     };
@@ -133,7 +143,6 @@ pub(crate) fn solve(
     #[cfg(not(feature = "parallel"))]
     let mut pair_contacts: Vec<Option<PairContacts>> =
         start.known.into_iter().enumerate().map(or_new).collect();
-    let islands = islands(&pairs, &movable);
     let islands: Vec<(Vec<usize>, Vec<PairContacts>)> = islands
         .into_iter()
         .map(|members| {
@@ -160,6 +169,21 @@ pub(crate) fn solve(
     }
     all.sort_unstable_by_key(|solved| solved.pair);
     Solution { pairs, solved: all, states, is_solved }
+}
+
+/// What each of `pairs` can be asked to carry at most (N): all that acts on the bodies of its island besides contacts.
+fn most_loads(bodies: &Bodies, islands: &[Vec<usize>], pairs: &[[usize; 2]]) -> Vec<f64> {
+    let mut most = vec![0.0; pairs.len()];
+    for members in islands {
+        let mut used: Vec<usize> = members.iter().flat_map(|&pair| pairs[pair]).collect();
+        used.sort_unstable();
+        used.dedup();
+        let load: f64 = used.iter().map(|&body| bodies.states[body].external.linear.length()).sum();
+        for &pair in members {
+            most[pair] = load;
+        }
+    }
+    most
 }
 
 /// One pair after the solve.
