@@ -44,7 +44,7 @@ fn hang([radius, tube]: [f64; 2], ratio: f32) -> (f32, f32) {
     let mut hang = |i: usize| {
         let body =
             if i == 0 { RigidBodyBuilder::fixed() } else { RigidBodyBuilder::dynamic().can_sleep(false) };
-        let turn = FRAC_PI_2 * if i % 2 == 0 { Vec3::X } else { Vec3::Z };
+        let turn = FRAC_PI_2 * if i.is_multiple_of(2) { Vec3::X } else { Vec3::Z };
         let density = if i == 7 { ratio * DENSITY } else { DENSITY };
         let collider = shape.clone().into_collider().density(density);
         world.insert(body.translation(pitch * i as f32 * Vec3::NEG_Y).rotation(turn), collider).0
