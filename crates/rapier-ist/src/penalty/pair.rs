@@ -203,6 +203,8 @@ impl PairContacts {
         let end = if force > 0.0 { power / force } else { self.step.end.max(0.0) };
         // Walls that squeeze a body from both sides carry nothing by that.
         let load = self.carried + (wrench.linear.length() - self.carried) * (self.dt / LOAD_TIME).min(1.0);
+        // What is no number is forgotten.
+        let load = load.max(0.0);
         let impulse = wrench * self.dt;
         let step = ImpactStep { end, ..self.step };
         let lost = -impulse.dot((self.before + twist) * 0.5);
