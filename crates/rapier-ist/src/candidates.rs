@@ -7,7 +7,7 @@ use crate::WorldParts;
 use crate::hooks::{is_filtered_by_user, is_solid};
 use crate::lookahead::Displacement;
 use rapier3d::dynamics::{RigidBody, RigidBodyHandle, RigidBodyType};
-use rapier3d::geometry::{Collider, ColliderHandle, SolverFlags};
+use rapier3d::geometry::{Collider, ColliderHandle, Shape, SolverFlags};
 use rapier3d::math::{Pose, Real};
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::parry::partitioning::{Bvh, BvhBuildStrategy};
@@ -96,7 +96,7 @@ impl Filter<'_> {
                 colliders: [a.handle, b.handle],
                 poses: [a.pose, b.pose],
                 displacements: [a.displacement, b.displacement],
-                size: longest_side(a.collider).min(longest_side(b.collider)),
+                size: longest_side(a.collider.shape()).min(longest_side(b.collider.shape())),
                 touched: false,
                 clearance: 0.0,
             });
@@ -176,6 +176,7 @@ impl Filter<'_> {
     }
 }
 
-fn longest_side(collider: &Collider) -> Real {
-    collider.shape().compute_local_aabb().extents().max_element()
+/// Longest side (m) of the box around a shape, in its own frame.
+pub(crate) fn longest_side(shape: &dyn Shape) -> Real {
+    shape.compute_local_aabb().extents().max_element()
 }

@@ -1,5 +1,6 @@
 //! Stiffness, friction and restitution of a pair.
 
+use crate::candidates::longest_side;
 use crate::modified_contacts::ModifiedContacts;
 use crate::penalty::Material;
 use crate::query::Contact;
@@ -22,13 +23,13 @@ const RELATIVE_STIFFNESS: f64 = 5e4;
 ///
 /// Heaps of 30 bars of 1 m × 5 cm, of 20 planks of 1 m × 20 cm × 2 cm and of twelve femurs of 1 m, three each: at rest, the greatest
 /// depth of a patch is 34 to 61, 50 to 87 and 11 to 24 mm where stiffness follows from the longest side alone; with six thicknesses 5,
-/// 11 to 34 and 5 to 7 mm, with 4.5 4, 8 to 16 and 4 to 5 mm, with three 2, 9 to 12 and 3 to 4 mm. They are at rest as soon, in a third
-/// to a half of the computing time. Stiff beams stand on the unevenness of their faces: eight layers of 6 cm are 13, 23 and 33 mm too
+/// 11 to 34 and 5 to 7 mm, with 4.5 4, 8 to 16 and 4 to 5 mm, with three 2, 9 to 12 and 3 to 4 mm. They are at rest as soon, those of
+/// bars and planks in a quarter to a half of the computing time. Stiff beams stand on the unevenness of their faces: eight layers of 6 cm are 13, 23 and 33 mm too
 /// high then, and 40 mm too low before. Compact bodies are as before: a ring a fifth as thick as it is wide, and a disc a tenth, have 3.6.
 const SLENDER: f64 = 4.5;
 
-/// A contact that carries more than so many times the lighter body's weight is as much stiffer: it never overlaps by more than ten
-/// times what the weight alone makes it.
+/// A contact that carries more than so many times the lighter body's weight is as much stiffer: at rest it overlaps by at most ten times
+/// what the weight alone makes it.
 ///
 /// Eight rings of 26 cm with tubes of 8, 4 and 2 cm hang from each other, the last of which is a hundred times as heavy as the others:
 /// 20 mm longer, torn and torn without this; 7, 15 and 15 mm longer with 10, 9, 10 and 8 mm with 3. A thousand times as heavy, that of 8 cm
@@ -59,11 +60,11 @@ pub(crate) struct ContactLaw<'a> {
     pub(crate) stiffness: &'a StiffnessTable,
 }
 
-/// Material of a pair that carries `load` (N), after Rapier's combine rules and the user's hook.
+/// Material of a pair that has carried `carried` (N) of late, after Rapier's combine rules and the user's hook.
 pub(crate) fn material(
     world: &WorldParts<'_>,
     contact: &Contact,
-    load: f64,
+    carried: f64,
     law: ContactLaw<'_>,
 ) -> Material {
     let penalty = law.penalty;
@@ -83,7 +84,7 @@ pub(crate) fn material(
     });
     let unit = f64::from(world.integration_parameters.length_unit);
     Material {
-        stiffness: stiffness(world, contact, load, law),
+        stiffness: stiffness(world, contact, carried, law),
         dissipation: f64::from(penalty.dissipation),
         // NaN passes through a clamp.
         friction: modified.friction.clamp(0.0, MOST_FRICTION).max(0.0).into(),
@@ -98,11 +99,11 @@ pub(crate) fn material(
 }
 
 /// Stiffness (N/m³) of a pair: the callback's, else the colliders' own, else the model's.
-fn stiffness(world: &WorldParts<'_>, contact: &Contact, load: f64, law: ContactLaw<'_>) -> f64 {
+fn stiffness(world: &WorldParts<'_>, contact: &Contact, carried: f64, law: ContactLaw<'_>) -> f64 {
     let [collider_a, collider_b] = contact.candidate.colliders;
     let stiffness =
         law.stiffness.of_colliders([collider_a, collider_b]).unwrap_or_else(|| match law.penalty.stiffness {
-            Stiffness::Automatic => automatic_stiffness(world, contact, load),
+            Stiffness::Automatic => automatic_stiffness(world, contact, carried),
             Stiffness::Uniform(stiffness) => valid(stiffness),
         });
     let parent = |collider| world.colliders.get(collider).and_then(Collider::parent);
@@ -122,19 +123,19 @@ fn stiffness(world: &WorldParts<'_>, contact: &Contact, load: f64, law: ContactL
 
 /// Stiffness (N/m³) at which the lighter body's weight makes it sink by a small share of the smaller body's size L:
 /// weight = k A d, with the contact's cross-section A and depth d in units of L² and L.
-fn automatic_stiffness(world: &WorldParts<'_>, contact: &Contact, load: f64) -> f64 {
+fn automatic_stiffness(world: &WorldParts<'_>, contact: &Contact, carried: f64) -> f64 {
     let unit = f64::from(world.integration_parameters.length_unit);
     // Without gravity something must stop a body all the same: a metre per second squared, in units of length.
     let gravity = f64::from(world.gravity.length()).max(unit);
     let [a, b] = contact.candidate.colliders.map(|handle| size(world.colliders[handle].shape()));
-    let weight = (lighter_mass(world, contact) * gravity).max(load / HEAVY);
+    let weight = (lighter_mass(world, contact) * gravity).max(carried / HEAVY);
     let stiffness = RELATIVE_STIFFNESS * weight / a.min(b).powi(3);
     if stiffness.is_finite() { stiffness } else { 0.0 }
 }
 
 /// Size (m) of a shape: the longest side of its box, in its own frame, and less if it is slender.
 fn size(shape: &dyn Shape) -> f64 {
-    let longest = f64::from(shape.compute_local_aabb().extents().max_element());
+    let longest = f64::from(longest_side(shape));
     thickness(shape, longest).map_or(longest, |thickness| longest.min(SLENDER * thickness))
 }
 

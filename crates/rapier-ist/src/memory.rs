@@ -10,7 +10,7 @@ pub(crate) struct PairMemory {
     /// Sum of the normal forces as last solved (N): where the next solve begins.
     pub(crate) force: f64,
     /// What the pair has carried of late (N), see [`PairContacts::memory`](crate::penalty::PairContacts::memory).
-    pub(crate) load: f64,
+    pub(crate) carried: f64,
     /// How the contact began, before the step.
     pub(crate) impact: Impact,
     /// The impulse that has stopped the bodies since, this step's included as last solved.
@@ -26,7 +26,7 @@ impl Default for PairMemory {
     fn default() -> Self {
         Self {
             force: 0.0,
-            load: 0.0,
+            carried: 0.0,
             impact: Impact::default(),
             impulse: Screw::ZERO,
             rebound: None,

@@ -19,7 +19,7 @@ use rapier3d::glamx::DVec3;
 const SMALL_SHARE: f64 = 0.1;
 
 /// Time (s) in which a pair's stiffness follows its load. The thinnest of the chains of `HEAVY` in `contact_law.rs` is torn with 0.05, and holds
-/// with 0.02 and at once; some delay keeps the steps of an impact from making it stiffer.
+/// with 0.02 and at once. At rates above 60 Hz that delay keeps the steps of an impact from making it stiffer.
 const LOAD_TIME: f64 = 0.02;
 
 /// Contact samples between bodies `a` and `b` and the wrench they exert, linearised in the final velocity.
@@ -101,7 +101,7 @@ impl PairContacts {
             before: pair.before,
             rebound: rebound.map(|impulse| Rebound::new(impulse, pair.before)),
             dt,
-            carried: memory.load,
+            carried: memory.carried,
             load: pair.load(),
             offset: Screw::ZERO,
             damping: Symmetric6::ZERO,
@@ -191,8 +191,8 @@ impl PairContacts {
         (2.0 * sum.length() / total).min(1.0)
     }
 
-    /// What to remember of the pair after a step at the relative twist `twist`. Its load is the size of the sum of the normal forces, over
-    /// the last [`LOAD_TIME`].
+    /// What to remember of the pair after a step at the relative twist `twist`. What it has carried is the size of the sum of
+    /// the normal forces, over the last [`LOAD_TIME`].
     pub(crate) fn memory(&self, twist: Screw) -> PairMemory {
         let (mut force, mut power, mut wrench) = (0.0, 0.0, Screw::ZERO);
         for s in &self.samples {
@@ -202,16 +202,17 @@ impl PairContacts {
         }
         let end = if force > 0.0 { power / force } else { self.step.end.max(0.0) };
         // Walls that squeeze a body from both sides carry nothing by that.
-        let load = self.carried + (wrench.linear.length() - self.carried) * (self.dt / LOAD_TIME).min(1.0);
+        let share = (self.dt / LOAD_TIME).min(1.0);
+        let carried = self.carried + (wrench.linear.length() - self.carried) * share;
         // What is no number is forgotten.
-        let load = load.max(0.0);
+        let carried = carried.max(0.0);
         let impulse = wrench * self.dt;
         let step = ImpactStep { end, ..self.step };
         let lost = -impulse.dot((self.before + twist) * 0.5);
         let after = self.impact.after(&step, (impulse, lost), self.rebound.is_some());
         PairMemory {
             force,
-            load,
+            carried,
             end,
             impulse: self.impact.impulse + impulse,
             rebound: self.rebound.map(|rebound| rebound.impulse),
