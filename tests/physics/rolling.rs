@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3, Vec3};
 use ist::{InnerSphere, SolidProperties, SpherePacking};
 use rapier_ist::{IstPlugin, IstShape};
 use rapier3d::prelude::*;
-use std::f32::consts::TAU;
+use std::f32::consts::{FRAC_PI_2, TAU};
 
 const RADIUS: f32 = 0.1;
 /// Speed (m/s) at which a ball begins.
@@ -130,6 +130,43 @@ fn issue_a_ring_squeezed_onto_a_shaft_turns_on_as_it_was() {
             let [turned, still] = [handle, shaft].map(|body| world.bodies[body].angvel());
             println!("{name} shaft, {substeps} substeps: ring {turned}, shaft {still}");
             assert!(turned.distance(Vec3::Y * 20.0) < 0.02 && still.distance(Vec3::Y * spin) < 0.02);
+        }
+    }
+}
+
+/// Rapier looks for what fast bodies would pass through, and shortens their way to where they meet it. What they roll or slide on
+/// they meet all the time.
+#[test]
+fn issue_fast_bodies_in_contact_move_at_their_velocity() {
+    let upright = Vec3::X * FRAC_PI_2;
+    for (name, shape, height, turned, rolls) in
+        [("ring", super::ring(1000), 0.15, upright, true), ("slab", super::slab(), 0.05, Vec3::ZERO, false)]
+    {
+        for speed in [1.0, 3.0, 10.0, 30.0] {
+            for (ground, body, collider) in grounds().into_iter().take(2) {
+                let mut world = PhysicsWorld::new();
+                let mut plugin = IstPlugin::install(&mut world);
+                let friction = if rolls { 0.5 } else { 0.0 };
+                world.insert(body, collider.friction(friction));
+                let body = RigidBodyBuilder::dynamic()
+                    .translation(Vec3::Y * height)
+                    .rotation(turned)
+                    .linvel(Vec3::X * speed)
+                    .angvel(if rolls { Vec3::Z * -speed / height } else { Vec3::ZERO });
+                let collider = shape.clone().into_collider().density(DENSITY).friction(friction);
+                let (handle, _) = world.insert(body, collider);
+                let mut way = 0.0;
+                for _ in 0..((360.0 / speed) as usize).min(60) {
+                    plugin.step(&mut world);
+                    way += world.bodies[handle].linvel().x / 60.0;
+                }
+                let moved = world.bodies[handle].translation().x;
+                println!("{name} on {ground} at {speed} m/s: {moved} m of {way}");
+                assert!(
+                    (moved - way).abs() < 0.02 * way,
+                    "{name} on {ground} at {speed} m/s: {moved} m of {way}"
+                );
+            }
         }
     }
 }

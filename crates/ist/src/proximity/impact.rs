@@ -45,6 +45,9 @@ pub struct ImpactOptions {
     /// Balls that are in contact at the start count only if they approach by more than this (m) along their normal during
     /// the whole time; otherwise they are passed over, and others may meet later. −∞ by default: all count.
     pub ignored_approach: f32,
+    /// Balls that meet later count only if they approach by more than this (m) along their normal in the rest of the time;
+    /// otherwise they are passed over, and others may meet later. −∞ by default: all count.
+    pub ignored_depth: f32,
 }
 
 impl Default for ImpactOptions {
@@ -56,6 +59,7 @@ impl Default for ImpactOptions {
             tolerance: 0.0,
             max_visits: 1 << 16,
             ignored_approach: f32::NEG_INFINITY,
+            ignored_depth: f32::NEG_INFINITY,
         }
     }
 }
@@ -160,7 +164,8 @@ pub(super) struct Aim {
     /// How far from that a pair may be in contact (m).
     pub(super) close: f64,
     pub(super) max_time: f64,
-    ignored_approach: f64,
+    /// Least approaches that count, at the start and later (m).
+    ignored: [f64; 2],
 }
 
 impl Aim {
@@ -170,19 +175,20 @@ impl Aim {
     /// graze are not lost by rounding.
     pub(super) fn new(options: &ImpactOptions, least: f64) -> Self {
         let half = 0.5 * f64::from(options.tolerance).max(least);
-        let ignored_approach = f64::from(options.ignored_approach);
+        let number = |value: f32| if value.is_nan() { 0.0 } else { f64::from(value) };
         Self {
             kind: options.balls,
             target: f64::from(options.target_distance.max(0.0)) + half,
             close: half,
             max_time: f64::from(options.max_time.max(0.0)),
-            ignored_approach: if ignored_approach.is_nan() { 0.0 } else { ignored_approach },
+            ignored: [number(options.ignored_approach), number(options.ignored_depth)],
         }
     }
 
-    /// Whether balls in contact at the start count that approach at `speed` (m/s).
-    pub(super) fn counts(&self, speed: impl FnOnce() -> f64) -> bool {
-        self.ignored_approach == f64::NEG_INFINITY || speed() * self.max_time > self.ignored_approach
+    /// Whether balls count that meet at `time` (s) and approach at `speed` (m/s).
+    pub(super) fn counts(&self, time: f64, speed: impl FnOnce() -> f64) -> bool {
+        let ignored = self.ignored[usize::from(time > 0.0)];
+        ignored == f64::NEG_INFINITY || speed() * (self.max_time - time) > ignored
     }
 }
 
@@ -204,7 +210,7 @@ impl Cast<'_> {
             let gap = self.gap(&balls);
             let leaves = due.nodes.are_leaves();
             if leaves && gap <= self.aim.close {
-                if due.time > 0.0 || self.aim.counts(|| self.approach(&balls)) {
+                if self.aim.counts(due.time, || self.approach(&balls)) {
                     return TimeOfImpact::Hit(self.impact(&due, &now, &balls));
                 }
                 continue;

@@ -110,7 +110,7 @@ impl<F: SignedDistance> Cast<'_, F> {
             let Some(sight) = self.sight(&due) else { continue };
             let is_leaf = due.nodes.level[0] == 0;
             if is_leaf && sight.gap <= self.aim.close {
-                if due.time > 0.0 || self.aim.counts(|| -self.rate(&sight)) {
+                if self.aim.counts(due.time, || -self.rate(&sight)) {
                     return TimeOfImpact::Hit(self.impact(&due, &sight));
                 }
                 continue;

@@ -44,6 +44,26 @@ fn issue_an_approach_of_nan_counts_as_zero() {
     }
 }
 
+/// Two balls 0.2 m apart that approach by 1 m in a second meet after 0.2 s and would be 0.8 m deep in the end.
+#[test]
+fn what_does_not_go_deep_is_passed_over_if_asked_for() {
+    let ball = ball(0.5);
+    let workspace = &mut ProximityWorkspace::default();
+    let motions = [moving(Vec3::ZERO, Vec3::X), moving(Vec3::X * 1.2, Vec3::ZERO)];
+    for (ignored_depth, meets) in [(f32::NEG_INFINITY, true), (0.7, true), (0.9, false)] {
+        let options = ImpactOptions { ignored_depth, ignored_approach: f32::INFINITY, ..Default::default() };
+        let found = ball.time_of_impact(&ball, &motions, &options, workspace);
+        assert_eq!(matches!(found, TimeOfImpact::Hit(_)), meets, "{ignored_depth}");
+        let plane = |p: Vec3| crate::SurfaceDistance { distance: -0.5 - p.x, outward: Vec3::NEG_X };
+        let found = ball.time_of_surface_impact(plane, &motions, &options, workspace);
+        assert_eq!(matches!(found, TimeOfImpact::Hit(_)), meets, "{ignored_depth}");
+        // What meets at the start is the other option's business.
+        let together = [motions[0], moving(Vec3::X * 0.9, Vec3::ZERO)];
+        let options = ImpactOptions { ignored_depth, ..Default::default() };
+        assert_eq!(hit(ball.time_of_impact(&ball, &together, &options, workspace)).time, 0.0);
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(128))]
     #[test]
