@@ -8,6 +8,7 @@ mod collision;
 mod friction;
 mod gears;
 mod inside;
+mod joints;
 mod pile;
 mod restitution;
 mod rolling;

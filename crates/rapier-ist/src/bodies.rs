@@ -2,7 +2,9 @@
 
 use crate::WorldParts;
 use crate::candidates::Candidate;
-use crate::penalty::SolverBody;
+use crate::joint_rows::joint_forces;
+use crate::joints::{Joint, can_move, joints_of};
+use crate::penalty::{JointForces, SolverBody};
 use rapier3d::dynamics::{RigidBody, RigidBodyHandle};
 use rapier3d::geometry::Collider;
 use std::cmp::Ordering;
@@ -14,18 +16,24 @@ pub(crate) struct Bodies {
     /// way.
     pub(crate) states: Vec<SolverBody>,
     pub(crate) is_link: Vec<bool>,
+    /// Joints between bodies of the given indices.
+    pub(crate) joints: Vec<([usize; 2], JointForces)>,
 }
 
 impl Bodies {
     pub(crate) fn new(world: &WorldParts<'_>, candidates: &[Candidate]) -> Self {
         let colliders = candidates.iter().flat_map(|candidate| candidate.colliders);
         let mut handles: Vec<_> = colliders.filter_map(|c| world.colliders.get(c)?.parent()).collect();
-        handles.sort_unstable_by_key(|handle| handle.into_raw_parts());
-        handles.dedup();
+        let sort = |handles: &mut Vec<RigidBodyHandle>| {
+            handles.sort_unstable_by_key(|handle| handle.into_raw_parts());
+            handles.dedup();
+        };
+        sort(&mut handles);
+        let joints = joints_of(world, &mut handles);
+        sort(&mut handles);
         let state = |handle: &RigidBodyHandle| {
             let body = &world.bodies[*handle];
-            let movable = body.is_dynamic() && !body.is_sleeping() && body.is_enabled();
-            SolverBody::new(body, movable, world.gravity, world.integration_parameters.dt)
+            SolverBody::new(body, can_move(body), world.gravity, world.integration_parameters.dt)
         };
         let mut states: Vec<_> =
             std::iter::once(SolverBody::FIXED).chain(handles.iter().map(state)).collect();
@@ -35,16 +43,28 @@ impl Bodies {
         let is_link = |handle: &Option<RigidBodyHandle>| {
             handle.is_some_and(|handle| world.multibody_joints.rigid_body_link(handle).is_some())
         };
-        Self { is_link: handles.iter().map(is_link).collect(), handles, states }
+        let is_link = handles.iter().map(is_link).collect();
+        let mut bodies = Self { is_link, handles, states, joints: Vec::new() };
+        let forces = |joint: &Joint<'_>| {
+            let indices = joint.bodies.map(|handle| bodies.index(Some(handle)));
+            let poses = joint.bodies.map(|handle| world.bodies[handle].position());
+            let states = indices.map(|index| &bodies.states[index]);
+            (indices, joint_forces(states, poses, joint, world.integration_parameters))
+        };
+        bodies.joints = joints.iter().map(forces).collect();
+        bodies
+    }
+
+    /// Index of a body; that of the world for none.
+    fn index(&self, handle: Option<RigidBodyHandle>) -> usize {
+        let key = handle.map(RigidBodyHandle::into_raw_parts);
+        self.handles.binary_search_by_key(&key, |h| h.map(RigidBodyHandle::into_raw_parts)).unwrap_or(0)
     }
 
     pub(crate) fn pair(&self, world: &WorldParts<'_>, candidate: &Candidate) -> [usize; 2] {
         let parents =
             candidate.colliders.map(|collider| world.colliders.get(collider).and_then(Collider::parent));
-        let [a, b] = parents.map(|parent| {
-            let key = parent.map(RigidBodyHandle::into_raw_parts);
-            self.handles.binary_search_by_key(&key, |h| h.map(RigidBodyHandle::into_raw_parts)).unwrap_or(0)
-        });
+        let [a, b] = parents.map(|parent| self.index(parent));
         // As in Rapier: what is not dynamic dominates everything that is.
         let dominance = |parent: Option<RigidBodyHandle>| {
             let body = parent.and_then(|parent| world.bodies.get(parent));

@@ -110,6 +110,8 @@ mod force_events;
 #[cfg(feature = "packer")]
 mod from_mesh;
 mod hooks;
+mod joint_rows;
+mod joints;
 mod kinematic;
 mod lookahead;
 mod memory;

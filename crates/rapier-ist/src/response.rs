@@ -92,7 +92,7 @@ const MAX_ROUNDS: usize = 3;
 /// nearer to the solution.
 fn collect(
     bodies: &Bodies,
-    Solution { pairs, solved, states, is_solved }: Solution,
+    Solution { pairs, solved, states, is_solved, joint_wrenches }: Solution,
     (contacts, dt): (&[&Contact], f64),
     report: &mut StepReport,
 ) -> Vec<BodyForce> {
@@ -143,10 +143,12 @@ fn collect(
     let moved = (0..bodies.handles.len()).filter(|&i| touches[i] && bodies.states[i].is_movable());
     let force = |i: usize| {
         let body = &bodies.states[i];
+        let joints = joint_wrenches[i];
         let last = body.impulse_of(states[i]) * (1.0 / dt);
-        let contact = if is_solved[i] || !last.fits_f32() { sums[i] } else { last };
-        let (external, is_link) = (body.external, bodies.is_link[i]);
-        Some(BodyForce { handle: bodies.handles[i]?, contact, external, is_link })
+        let contact = if is_solved[i] || !last.fits_f32() { sums[i] } else { last - joints };
+        let (held, is_link) = (body.external + joints, bodies.is_link[i]);
+        let held = if held.fits_f32() { held } else { body.external };
+        Some(BodyForce { handle: bodies.handles[i]?, contact, held, is_link })
     };
     moved.filter_map(force).collect()
 }

@@ -6,7 +6,7 @@ use crate::candidates::Candidate;
 use crate::contact_law::{ContactLaw, material};
 use crate::lookahead::Displacement;
 use crate::memory::{Memory, PairMemory};
-use crate::penalty::{Island, Material, PairContacts, Screw, SolverBody, islands};
+use crate::penalty::{Island, JointForces, Material, Members, PairContacts, Screw, SolverBody, islands};
 use crate::query::Contact;
 
 /// The pairs after a solve, and the velocities of the bodies that it found.
@@ -18,6 +18,8 @@ pub(crate) struct Solution {
     /// The unknowns of all bodies, and whether they solve the systems of their islands.
     pub(crate) states: Vec<Screw>,
     pub(crate) is_solved: Vec<bool>,
+    /// What joints do to all bodies, each about its centre of mass.
+    pub(crate) joint_wrenches: Vec<Screw>,
 }
 
 /// A contact is measured again where it moved by more than this share of its depth from where it was measured. Not tuned.
@@ -114,7 +116,8 @@ pub(crate) fn solve(
         contacts.iter().map(|contact| bodies.pair(world, &contact.candidate)).collect();
     let movable: Vec<bool> = bodies.states.iter().map(SolverBody::is_movable).collect();
     let [before, last] = start.memories;
-    let islands = islands(&pairs, &movable);
+    let joints: Vec<[usize; 2]> = bodies.joints.iter().map(|(indices, _)| *indices).collect();
+    let islands = islands(&pairs, &joints, &movable);
     let most = most_loads(bodies, &islands, &pairs);
     let of = |index: usize, memory: &Memory| {
         let contact: &Contact = contacts[index];
@@ -144,10 +147,10 @@ pub(crate) fn solve(
     #[cfg(not(feature = "parallel"))]
     let mut pair_contacts: Vec<Option<PairContacts>> =
         start.known.into_iter().enumerate().map(or_new).collect();
-    let islands: Vec<(Vec<usize>, Vec<PairContacts>)> = islands
+    let islands: Vec<(Members, Vec<PairContacts>)> = islands
         .into_iter()
         .map(|members| {
-            let contacts = members.iter().filter_map(|&pair| pair_contacts[pair].take()).collect();
+            let contacts = members.pairs.iter().filter_map(|&pair| pair_contacts[pair].take()).collect();
             (members, contacts)
         })
         .collect();
@@ -161,27 +164,31 @@ pub(crate) fn solve(
     let solved: Vec<_> = islands.into_iter().map(solve).collect();
     let mut states: Vec<Screw> = vec![Screw::ZERO; bodies.states.len()];
     let mut is_solved = vec![true; bodies.states.len()];
+    let mut joint_wrenches = vec![Screw::ZERO; bodies.states.len()];
     let mut all = Vec::with_capacity(pairs.len());
     for (pairs, island) in solved {
         all.extend(pairs);
-        for (body, state, solved) in island {
-            (states[body], is_solved[body]) = (state, solved);
+        for SolvedBody { body, state, is_solved: solved, joints } in island {
+            (states[body], is_solved[body], joint_wrenches[body]) = (state, solved, joints);
         }
     }
     all.sort_unstable_by_key(|solved| solved.pair);
-    Solution { pairs, solved: all, states, is_solved }
+    Solution { pairs, solved: all, states, is_solved, joint_wrenches }
 }
 
 /// What each of `pairs` can be asked to carry at most (N): all that acts on the bodies of its island besides contacts.
-fn most_loads(bodies: &Bodies, islands: &[Vec<usize>], pairs: &[[usize; 2]]) -> Vec<f64> {
+fn most_loads(bodies: &Bodies, islands: &[Members], pairs: &[[usize; 2]]) -> Vec<f64> {
     let mut most = vec![0.0; pairs.len()];
     for members in islands {
-        let mut used: Vec<usize> = members.iter().flat_map(|&pair| pairs[pair]).collect();
-        used.sort_unstable();
-        used.dedup();
+        let used = bodies_of(bodies, members, pairs);
         let load: f64 = used.iter().map(|&body| bodies.states[body].external.linear.length()).sum();
-        for &pair in members {
-            most[pair] = load;
+        let drive = |&joint: &usize| {
+            let (indices, forces) = &bodies.joints[joint];
+            forces.drive(indices.map(|body| &bodies.states[body]))
+        };
+        let drive: f64 = members.joints.iter().map(drive).sum();
+        for &pair in &members.pairs {
+            most[pair] = load + drive;
         }
     }
     most
@@ -204,26 +211,49 @@ impl Solved {
     }
 }
 
-fn solve_island(
-    (bodies, start): (&Bodies, &[Screw]),
-    (members, contacts): (Vec<usize>, Vec<PairContacts>),
-    pairs: &[[usize; 2]],
-    dt: f64,
-) -> (Vec<Solved>, Vec<(usize, Screw, bool)>) {
-    let mut used: Vec<usize> = members.iter().flat_map(|&pair| pairs[pair]).collect();
+/// One body after the solve.
+struct SolvedBody {
+    body: usize,
+    state: Screw,
+    is_solved: bool,
+    /// What joints do to it, about its centre of mass.
+    joints: Screw,
+}
+
+/// The bodies of an island, in order.
+fn bodies_of(bodies: &Bodies, members: &Members, pairs: &[[usize; 2]]) -> Vec<usize> {
+    let of_pairs = members.pairs.iter().flat_map(|&pair| pairs[pair]);
+    let of_joints = members.joints.iter().flat_map(|&joint| bodies.joints[joint].0);
+    let mut used: Vec<usize> = of_pairs.chain(of_joints).collect();
     used.sort_unstable();
     used.dedup();
+    used
+}
+
+fn solve_island(
+    (bodies, start): (&Bodies, &[Screw]),
+    (members, contacts): (Members, Vec<PairContacts>),
+    pairs: &[[usize; 2]],
+    dt: f64,
+) -> (Vec<Solved>, Vec<SolvedBody>) {
+    let used = bodies_of(bodies, &members, pairs);
     let local = |body: usize| used.binary_search(&body).unwrap_or(0);
+    let joint = |&joint: &usize| {
+        let (indices, forces): &([usize; 2], JointForces) = &bodies.joints[joint];
+        (indices.map(local), forces.clone())
+    };
     let mut island = Island::new(
         used.iter().map(|&body| bodies.states[body]).collect(),
-        members.iter().map(|&pair| pairs[pair].map(local)).zip(contacts).collect(),
+        members.pairs.iter().map(|&pair| pairs[pair].map(local)).zip(contacts).collect(),
+        members.joints.iter().map(joint).collect(),
         used.iter().map(|&body| start[body]).collect(),
     );
     island.solve(dt);
     let is_solved = island.is_solved();
-    let states = used.iter().enumerate().map(|(i, &body)| (body, island.state(i), is_solved)).collect();
+    let solved_body = |((i, &body), joints)| SolvedBody { body, state: island.state(i), is_solved, joints };
+    let states = used.iter().enumerate().zip(island.joint_wrenches()).map(solved_body).collect();
     let twists = island.twists_before().into_iter().zip(island.final_twists());
-    let solved = members.into_iter().zip(island.into_contacts()).zip(twists);
+    let solved = members.pairs.into_iter().zip(island.into_contacts()).zip(twists);
     let solved = solved.map(|((pair, contacts), (relative_velocity, twist))| Solved {
         pair,
         contacts,

@@ -11,8 +11,8 @@ pub(crate) struct BodyForce {
     pub(crate) handle: RigidBodyHandle,
     /// Mean contact force (N) and torque (N·m).
     pub(crate) contact: Screw,
-    /// Gravity and the user's own force and torque.
-    pub(crate) external: Screw,
+    /// What else acts on the body: gravity, the user's own force and torque, joints.
+    pub(crate) held: Screw,
     /// Whether the body is a link of a multibody.
     pub(crate) is_link: bool,
 }
@@ -29,7 +29,7 @@ impl UserForces {
     pub(crate) fn suspend(world: &mut WorldParts<'_>, forces: Vec<BodyForce>) -> Self {
         let dt = world.integration_parameters.dt;
         let mut before = Vec::with_capacity(forces.len());
-        for BodyForce { handle, contact, external, is_link } in forces {
+        for BodyForce { handle, contact, held, is_link } in forces {
             let Some(body) = world.bodies.get_mut(handle) else { continue };
             before.push((handle, body.user_force(), body.user_torque()));
             if is_link {
@@ -38,11 +38,11 @@ impl UserForces {
                 body.add_torque(contact.angular.as_vec3(), false);
                 continue;
             }
-            let impulse = (contact + external) * f64::from(dt);
+            let impulse = (contact + held) * f64::from(dt);
             body.apply_impulse(impulse.linear.as_vec3(), false);
             body.apply_torque_impulse(impulse.angular.as_vec3(), false);
-            body.add_force(-external.linear.as_vec3(), false);
-            body.add_torque(-external.angular.as_vec3(), false);
+            body.add_force(-held.linear.as_vec3(), false);
+            body.add_torque(-held.angular.as_vec3(), false);
         }
         Self(before)
     }

@@ -24,6 +24,7 @@ mod elimination;
 mod friction;
 mod impact;
 mod island;
+mod joint;
 mod material;
 mod pair;
 mod pair_state;
@@ -37,7 +38,8 @@ mod twist;
 
 pub(crate) use body::SolverBody;
 pub(crate) use impact::Impact;
-pub(crate) use island::islands;
+pub(crate) use island::{Members, islands};
+pub(crate) use joint::{JointForces, JointRow, compliance};
 pub(crate) use material::Material;
 pub(crate) use pair::PairContacts;
 pub(crate) use system::Island;
@@ -64,8 +66,10 @@ impl Island {
                 pair.linearize();
                 0.0
             });
+            self.joints.iter_mut().for_each(JointForces::linearize);
             self.solve_linear(dt);
-            if self.for_each_pair(PairContacts::update) < PASS_TOLERANCE {
+            let change = self.for_each_pair(PairContacts::update);
+            if change.max(self.update_joints()) < PASS_TOLERANCE {
                 break;
             }
         }

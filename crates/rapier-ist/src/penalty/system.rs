@@ -8,6 +8,7 @@ use super::block::Block;
 use super::block_matrix::BlockMatrix;
 use super::body::SolverBody;
 use super::conjugate_gradients::{conjugate_gradients, dot};
+use super::joint::JointForces;
 use super::pair::PairContacts;
 use super::twist::{Screw, Symmetric6, cross_matrix};
 use rapier3d::glamx::{DMat3, DVec3};
@@ -35,6 +36,8 @@ const LOAD_TOLERANCE: f64 = 1e-3;
 pub(crate) struct Island {
     pub(crate) bodies: Vec<SolverBody>,
     pub(crate) pairs: Vec<PairContacts>,
+    pub(super) joints: Vec<JointForces>,
+    /// First those of the pairs, then those of the joints.
     links: Vec<Link>,
     matrix: BlockMatrix,
     /// `y` of each body.
@@ -43,12 +46,12 @@ pub(crate) struct Island {
     is_solved: bool,
 }
 
-/// Where the contacts of a pair act.
+/// Where the contacts of a pair act, or a joint.
 #[derive(Clone, Copy, Debug)]
 struct Link {
     /// Indices of the bodies.
     bodies: [usize; 2],
-    /// From the bodies' centres of mass to the pair's origin.
+    /// From the bodies' centres of mass to the origin of the pair or joint.
     arms: [DVec3; 2],
 }
 
@@ -57,6 +60,13 @@ impl Link {
     fn relative_twist(&self, twists: &[Screw]) -> Screw {
         let ([a, b], [arm_a, arm_b]) = (self.bodies, self.arms);
         twists[b].twist_at(arm_b) - twists[a].twist_at(arm_a)
+    }
+
+    /// Adds a wrench on the second body about the origin, and the opposite one on the first, to `sums` about their centres of mass.
+    fn add(&self, wrench: Screw, sums: &mut [Screw]) {
+        let ([a, b], [arm_a, arm_b]) = (self.bodies, self.arms);
+        sums[b] += wrench.wrench_from(arm_b);
+        sums[a] += -wrench.wrench_from(arm_a);
     }
 
     /// Whether both bodies can move, so that the pair couples them.
@@ -83,23 +93,51 @@ impl Link {
 }
 
 impl Island {
-    /// `pairs` are the contacts between the bodies of the given indices, `state` the unknowns to start with.
+    /// `pairs` and `joints` are between the bodies of the given indices, `state` the unknowns to start with.
     pub(crate) fn new(
         bodies: Vec<SolverBody>,
         pairs: Vec<([usize; 2], PairContacts)>,
+        joints: Vec<([usize; 2], JointForces)>,
         state: Vec<Screw>,
     ) -> Self {
-        let link = |(indices, pair): &([usize; 2], PairContacts)| Link {
-            bodies: *indices,
-            arms: indices.map(|body| pair.origin - bodies[body].center_of_mass),
+        let link = |(indices, origin): ([usize; 2], DVec3)| Link {
+            bodies: indices,
+            arms: indices.map(|body| origin - bodies[body].center_of_mass),
         };
-        let links: Vec<Link> = pairs.iter().map(link).collect();
+        let places = pairs.iter().map(|(indices, pair)| (*indices, pair.origin));
+        let places = places.chain(joints.iter().map(|(indices, joint)| (*indices, joint.origin)));
+        let links: Vec<Link> = places.map(link).collect();
         let couplings: Vec<[usize; 2]> =
             links.iter().filter(|link| link.couples(&bodies)).map(|link| link.bodies).collect();
         let matrix = BlockMatrix::new(bodies.len(), &couplings);
         let pairs = pairs.into_iter().map(|(_, pair)| pair).collect();
+        let joints = joints.into_iter().map(|(_, joint)| joint).collect();
         let state = state.into_iter().map(Screw::to_array).collect();
-        Self { links, bodies, pairs, matrix, state, is_solved: false }
+        let mut island = Self { links, bodies, pairs, joints, matrix, state, is_solved: false };
+        island.update_joints();
+        island
+    }
+
+    /// Takes over the velocities as last solved for the joints. Returns the largest result.
+    pub(super) fn update_joints(&mut self) -> f64 {
+        let twists = self.twists();
+        let joints = self.joints.iter_mut().zip(&self.links[self.pairs.len()..]);
+        joints.map(|(joint, link)| joint.update(link.relative_twist(&twists))).fold(0.0, f64::max)
+    }
+
+    /// Wrenches of all joints on each body about its centre of mass, as last solved.
+    pub(crate) fn joint_wrenches(&self) -> Vec<Screw> {
+        let twists = self.twists();
+        let mut wrenches = vec![Screw::ZERO; self.bodies.len()];
+        for (joint, link) in self.joints.iter().zip(&self.links[self.pairs.len()..]) {
+            link.add(joint.wrench(link.relative_twist(&twists)), &mut wrenches);
+        }
+        wrenches
+    }
+
+    /// Twists of all bodies at the end of the step, as last solved.
+    fn twists(&self) -> Vec<Screw> {
+        (0..self.bodies.len()).map(|i| self.final_twist(i)).collect()
     }
 
     /// The contacts, in the order in which they came.
@@ -109,14 +147,16 @@ impl Island {
 
     /// Relative velocities of each pair at its origin, at the end of the step as last solved.
     pub(crate) fn final_twists(&self) -> Vec<Screw> {
-        let twists: Vec<Screw> = (0..self.bodies.len()).map(|i| self.final_twist(i)).collect();
-        self.links.iter().map(|link| link.relative_twist(&twists)).collect()
+        self.pair_twists(&self.twists())
     }
 
     /// The same before the step.
     pub(crate) fn twists_before(&self) -> Vec<Screw> {
-        let twists: Vec<Screw> = self.bodies.iter().map(|body| body.velocity).collect();
-        self.links.iter().map(|link| link.relative_twist(&twists)).collect()
+        self.pair_twists(&self.bodies.iter().map(|body| body.velocity).collect::<Vec<_>>())
+    }
+
+    fn pair_twists(&self, twists: &[Screw]) -> Vec<Screw> {
+        self.links[..self.pairs.len()].iter().map(|link| link.relative_twist(twists)).collect()
     }
 
     /// `y` of body `i`, as last solved.
@@ -153,11 +193,12 @@ impl Island {
     fn right_hand_side(&self, dt: f64) -> Vec<[f64; 6]> {
         let twists: Vec<Screw> = self.bodies.iter().map(|body| body.predicted).collect();
         let mut wrenches = vec![Screw::ZERO; self.bodies.len()];
-        for (pair, link) in self.pairs.iter().zip(&self.links) {
-            let wrench = pair.wrench(link.relative_twist(&twists));
-            let ([a, b], [arm_a, arm_b]) = (link.bodies, link.arms);
-            wrenches[b] += wrench.wrench_from(arm_b);
-            wrenches[a] += -wrench.wrench_from(arm_a);
+        let (of_pairs, of_joints) = self.links.split_at(self.pairs.len());
+        for (pair, link) in self.pairs.iter().zip(of_pairs) {
+            link.add(pair.wrench(link.relative_twist(&twists)), &mut wrenches);
+        }
+        for (joint, link) in self.joints.iter().zip(of_joints) {
+            link.add(joint.wrench(link.relative_twist(&twists)), &mut wrenches);
         }
         let change =
             |(body, wrench): (&SolverBody, Screw)| (body.root_transpose_times(wrench) * dt).to_array();
@@ -166,15 +207,16 @@ impl Island {
 
     /// Sets the matrix, `I + h Lᵀ S L`.
     fn assemble(&mut self, dt: f64) {
-        let Self { pairs, links, bodies, matrix, .. } = self;
+        let Self { pairs, joints, links, bodies, matrix, .. } = self;
         let mut diagonal = vec![Symmetric6::ZERO; bodies.len()];
         let mut couplings = 0;
-        for (pair, link) in pairs.iter().zip(links.iter()) {
+        let dampings = pairs.iter().map(PairContacts::damping).chain(joints.iter().map(JointForces::damping));
+        for (damping, link) in dampings.zip(links.iter()) {
             for (body, arm) in link.bodies.into_iter().zip(link.arms) {
-                diagonal[body] += pair.damping().moved(arm);
+                diagonal[body] += damping.moved(arm);
             }
             if link.couples(bodies) {
-                matrix.set_coupling(couplings, link.coupling(pair.damping(), bodies, dt));
+                matrix.set_coupling(couplings, link.coupling(damping, bodies, dt));
                 couplings += 1;
             }
         }

@@ -1,0 +1,61 @@
+//! The joints between bodies that touch, and those that hang on them.
+
+use crate::WorldParts;
+use rapier3d::dynamics::{GenericJoint, RigidBody, RigidBodyHandle};
+use std::collections::{BTreeMap, HashSet};
+
+/// An enabled joint and its bodies.
+pub(crate) struct Joint<'a> {
+    pub(crate) bodies: [RigidBodyHandle; 2],
+    pub(crate) data: &'a GenericJoint,
+    /// Whether its motion is the user's.
+    pub(crate) is_kinematic: bool,
+}
+
+/// Kind and number of a joint: the order in which the solve takes them.
+type JointKey = (bool, (u32, u32));
+
+/// All joints of `bodies` and of those that joints connect with them, through bodies that can move; adds these to `bodies`.
+pub(crate) fn joints_of<'a>(world: &'a WorldParts<'_>, bodies: &mut Vec<RigidBodyHandle>) -> Vec<Joint<'a>> {
+    if world.impulse_joints.is_empty() && world.multibody_joints.multibodies().next().is_none() {
+        return Vec::new();
+    }
+    let mut found: BTreeMap<JointKey, Joint<'a>> = BTreeMap::new();
+    let mut seen: HashSet<RigidBodyHandle> = bodies.iter().copied().collect();
+    let mut next = 0;
+    while let Some(&body) = bodies.get(next) {
+        next += 1;
+        if !world.bodies.get(body).is_some_and(can_move) {
+            continue;
+        }
+        for (key, joint) in joints_at(world, body) {
+            bodies.extend(
+                joint.bodies.into_iter().filter(|body| world.bodies.contains(*body) && seen.insert(*body)),
+            );
+            found.insert(key, joint);
+        }
+    }
+    found.into_values().collect()
+}
+
+/// Whether the solve may change the velocity of a body.
+pub(crate) fn can_move(body: &RigidBody) -> bool {
+    body.is_dynamic() && !body.is_sleeping() && body.is_enabled()
+}
+
+fn joints_at<'a>(
+    world: &'a WorldParts<'_>,
+    body: RigidBodyHandle,
+) -> impl Iterator<Item = (JointKey, Joint<'a>)> {
+    let impulse = world.impulse_joints.attached_enabled_joints(body).map(|(a, b, handle, joint)| {
+        ((false, handle.0.into_raw_parts()), Joint { bodies: [a, b], data: &joint.data, is_kinematic: false })
+    });
+    let links = world.multibody_joints.attached_joints(body).filter_map(|(a, b, handle)| {
+        let (multibody, id) = world.multibody_joints.get(handle)?;
+        let joint = multibody.link(id)?.joint();
+        let (data, is_kinematic) = (&joint.data, joint.kinematic);
+        let joint = Joint { bodies: [a, b], data, is_kinematic };
+        data.is_enabled().then_some(((true, handle.0.into_raw_parts()), joint))
+    });
+    impulse.chain(links)
+}

@@ -1,0 +1,180 @@
+//! A joint inside the penalty solve.
+
+use super::body::SolverBody;
+use super::twist::{Screw, Symmetric6};
+use rapier3d::glamx::{DMat3, DVec3};
+
+/// One direction in which a joint acts: the force along `axis` is `force − damping · speed`, within `bounds`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct JointRow {
+    /// Wrench on the second body, about the joint's origin, per unit of force.
+    pub(crate) axis: Screw,
+    pub(crate) force: f64,
+    pub(crate) damping: f64,
+    pub(crate) bounds: [f64; 2],
+    /// Relative twist along `axis`, as last solved.
+    speed: f64,
+}
+
+impl JointRow {
+    /// A row that works towards the speed `wanted` along `axis`, with so much force per missing speed.
+    pub(crate) fn new(axis: Screw, wanted: f64, damping: f64, bounds: [f64; 2]) -> Self {
+        Self { axis, force: damping * wanted, damping, bounds, speed: 0.0 }
+    }
+
+    pub(crate) fn is_finite(&self) -> bool {
+        self.axis.is_finite() && self.force.is_finite() && self.damping.is_finite()
+    }
+
+    /// The force at a speed.
+    fn at(&self, speed: f64) -> f64 {
+        let [least, most] = self.bounds;
+        (self.force - self.damping * speed).max(least).min(most)
+    }
+
+    /// Force at no speed and damping, linearised at the speed of the last pass.
+    ///
+    /// A motor is a secant through the speed at which it does nothing, like friction: between tangents where it does all that it
+    /// can, one way and then the other, passes would go back and forth for ever.
+    fn linearized(&self) -> [f64; 2] {
+        let law = self.at(self.speed);
+        let missing = self.force / self.damping - self.speed;
+        if self.bounds.iter().all(|bound| bound.is_finite()) {
+            let damping = if missing == 0.0 { self.damping } else { self.damping.min(law / missing) };
+            return [damping * (missing + self.speed), damping];
+        }
+        let is_bounded = law != self.force - self.damping * self.speed;
+        if is_bounded { [law, 0.0] } else { [self.force, self.damping] }
+    }
+}
+
+/// The rows of one joint, linearised in the final velocity like a contact.
+#[derive(Clone, Debug)]
+pub(crate) struct JointForces {
+    /// Where the joint is, world frame.
+    pub(crate) origin: DVec3,
+    rows: Vec<JointRow>,
+    /// As last linearised: force at no speed and damping of each row.
+    laws: Vec<[f64; 2]>,
+    /// Wrench on the second body at zero relative velocity.
+    offset: Screw,
+    /// What a relative twist takes away from it.
+    damping: Symmetric6,
+}
+
+impl JointForces {
+    pub(crate) fn new(origin: DVec3, rows: Vec<JointRow>) -> Self {
+        let laws = vec![[0.0; 2]; rows.len()];
+        Self { origin, rows, laws, offset: Screw::ZERO, damping: Symmetric6::ZERO }
+    }
+
+    /// Linearises all rows at the speeds of the last pass.
+    pub(super) fn linearize(&mut self) {
+        (self.offset, self.damping) = (Screw::ZERO, Symmetric6::ZERO);
+        for (row, law) in self.rows.iter().zip(&mut self.laws) {
+            *law = row.linearized();
+            let [force, damping] = *law;
+            self.offset += row.axis * force;
+            let Screw { linear, angular } = row.axis;
+            self.damping += Symmetric6 {
+                linear: outer(linear, linear),
+                mixed: outer(linear, angular),
+                angular: outer(angular, angular),
+            } * damping;
+        }
+    }
+
+    /// Takes over a relative twist for the next linearisation. Returns how far the forces of the law are from those of the
+    /// linearised system, relative to their sum.
+    pub(super) fn update(&mut self, twist: Screw) -> f64 {
+        let (mut change, mut total) = (0.0, 0.0);
+        for (row, [force, damping]) in self.rows.iter_mut().zip(&self.laws) {
+            row.speed = twist.dot(row.axis);
+            let (solved, law) = (force - damping * row.speed, row.at(row.speed));
+            change += (solved - law).abs();
+            total += solved.abs().max(law.abs());
+        }
+        if total > 0.0 { change / total } else { 0.0 }
+    }
+
+    /// What its motors do where the bodies do not move relative to each other (N), all sizes added: of torques, at the bodies'
+    /// radius of gyration.
+    pub(crate) fn drive(&self, states: [&SolverBody; 2]) -> f64 {
+        let is_motor = |row: &&JointRow| row.bounds.iter().all(|bound| bound.is_finite());
+        let lever = |axis: Screw| {
+            let turning = compliance(states, self.origin, Screw { linear: DVec3::ZERO, ..axis });
+            let moving: f64 = states.iter().map(|body| body.root_linear.length_squared() / 3.0).sum();
+            if moving > 0.0 { axis.linear.length() + (turning / moving).sqrt() } else { 0.0 }
+        };
+        self.rows.iter().filter(is_motor).map(|row| row.at(0.0).abs() * lever(row.axis)).sum()
+    }
+
+    /// Wrench on the second body about [`Self::origin`] at the given relative twist.
+    pub(super) fn wrench(&self, twist: Screw) -> Screw {
+        self.offset - self.damping * twist
+    }
+
+    pub(super) fn damping(&self) -> &Symmetric6 {
+        &self.damping
+    }
+}
+
+/// `wᵀ (M_a⁻¹ + M_b⁻¹) w`: the relative velocity along a unit of impulse `axis` at `origin`.
+pub(crate) fn compliance([a, b]: [&SolverBody; 2], origin: DVec3, axis: Screw) -> f64 {
+    a.compliance(origin, axis) + b.compliance(origin, axis)
+}
+
+/// `a bᵀ`.
+fn outer(a: DVec3, b: DVec3) -> DMat3 {
+    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn row(wanted: f64, damping: f64, bounds: [f64; 2], speed: f64) -> JointRow {
+        JointRow {
+            speed,
+            ..JointRow::new(Screw { linear: DVec3::X, ..Screw::ZERO }, wanted, damping, bounds)
+        }
+    }
+
+    proptest! {
+        /// And never pushes away from the speed that is wanted.
+        #[test]
+        fn rows_are_exact_where_they_are_linearised(
+            wanted in -10.0_f64..10.0, speed in -10.0_f64..10.0, damping in 0.1_f64..1e6, most in 0.1_f64..1e3,
+            kind in 0_usize..4,
+        ) {
+            let bounds = [FREE, [-most, most], [f64::NEG_INFINITY, 0.0], [0.0, f64::INFINITY]][kind];
+            let row = row(wanted, damping, bounds, speed);
+            let [force, slope] = row.linearized();
+            let law = row.at(speed);
+            prop_assert!((force - slope * speed - law).abs() <= 1e-9 * (1.0 + law.abs() + damping * 20.0));
+            prop_assert!((0.0..=damping).contains(&slope));
+            prop_assert!(law * (wanted - speed) >= 0.0);
+        }
+    }
+
+    const FREE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+
+    /// A mass that a motor of limited force drives, step by step: passes end, at the force that it has and not beyond its speed.
+    #[test]
+    fn passes_over_a_motor_end() {
+        for (most, expected) in [(1.0, 0.1), (5.0, 0.5), (100.0, 2.0)] {
+            let mut joint = JointForces::new(DVec3::ZERO, vec![row(2.0, 1e4, [-most, most], 0.0)]);
+            let (mass, dt, mut speed) = (1.0, 0.1, 0.0);
+            let ended = (0..8).any(|_| {
+                joint.linearize();
+                let force = joint.wrench(Screw::ZERO).linear.x;
+                let slope = joint.damping().linear.x_axis.x;
+                speed = dt * force / (mass + dt * slope);
+                joint.update(Screw { linear: DVec3::X * speed, ..Screw::ZERO }) < 1e-3
+            });
+            println!("{most} N: {speed} m/s");
+            assert!(ended && (speed - expected).abs() < 2e-2 * expected, "{most}: {speed}");
+        }
+    }
+}
