@@ -174,3 +174,60 @@ fn a_car_drives_as_far_as_its_wheels_roll() {
         }
     }
 }
+
+/// What arrives on a guide is stopped like what arrives free: in the step in which it touches, not over it.
+#[test]
+fn a_link_is_stopped_where_it_touches() {
+    let deepest = |guide: Option<bool>| {
+        let (mut world, mut plugin) = grounded();
+        let body = RigidBodyBuilder::dynamic().translation(Vec3::Y * 1.5).can_sleep(false);
+        let (ball, _) = world.insert(body, super::ball().into_collider().density(1000.0));
+        if let Some(is_link) = guide {
+            let frame = world.bodies.insert(RigidBodyBuilder::fixed().translation(Vec3::Y * 1.5));
+            join(&mut world, is_link, [frame, ball], PrismaticJointBuilder::new(Vec3::Y));
+        }
+        let mut lowest = f32::INFINITY;
+        for _ in 0..120 {
+            plugin.step(&mut world);
+            lowest = lowest.min(world.bodies[ball].translation().y);
+        }
+        let speed = world.bodies[ball].linvel().length();
+        assert!(speed < 1e-2, "{guide:?}: it lies still, {speed}");
+        0.1 - lowest
+    };
+    let [free, joint, link] = [None, Some(false), Some(true)].map(deepest);
+    println!("deepest at 5 m/s: free {free} m, on an impulse joint {joint} m, as a link {link} m");
+    assert!((joint - free).abs() < 1e-3 && (link - free).abs() < 1e-3);
+}
+
+/// Motors of a multibody hold it in the same place whether it touches something or not.
+#[test]
+fn an_arm_is_held_by_its_motors_while_it_pushes_a_body() {
+    let bar = packed(&shapes::cuboid(DVec3::new(0.15, 0.03, 0.03)), 500);
+    for stiffness in [100.0_f32, 1000.0, 1e4] {
+        let tips = [ColliderBuilder::cuboid(0.15, 0.03, 0.03), bar.clone().into_collider()].map(|collider| {
+            let (mut world, mut plugin) = grounded();
+            let mut last = world.bodies.insert(RigidBodyBuilder::fixed().translation(Vec3::Y * 0.5));
+            for link in 0..4 {
+                let place = Vec3::new(0.15 + 0.3 * link as f32, 0.5, 0.0);
+                let body = RigidBodyBuilder::dynamic().translation(place).can_sleep(false);
+                let (body, _) = world.insert(body, collider.clone().density(800.0).friction(0.5));
+                let joint = RevoluteJointBuilder::new(Vec3::Z)
+                    .local_anchor1(if link == 0 { Vec3::ZERO } else { Vec3::X * 0.15 })
+                    .local_anchor2(Vec3::X * -0.15)
+                    .motor_position(-0.4, stiffness, 2.0 * stiffness.sqrt())
+                    .contacts_enabled(false);
+                join(&mut world, true, [last, body], joint);
+                last = body;
+            }
+            for _ in 0..300 {
+                plugin.step(&mut world);
+            }
+            let body = &world.bodies[last];
+            (body.translation(), body.linvel().length())
+        });
+        println!("stiffness {stiffness}: {tips:?}");
+        let [(rigid, _), (packed, speed)] = tips;
+        assert!(rigid.distance(packed) < 0.02 && speed < 0.15, "{stiffness}: {tips:?}");
+    }
+}

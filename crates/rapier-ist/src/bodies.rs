@@ -5,7 +5,7 @@ use crate::candidates::Candidate;
 use crate::joint_rows::joint_forces;
 use crate::joints::{Joint, can_move, joints_of};
 use crate::penalty::{JointForces, SolverBody};
-use rapier3d::dynamics::{RigidBody, RigidBodyHandle};
+use rapier3d::dynamics::{MultibodyLinkId, RigidBody, RigidBodyHandle};
 use rapier3d::geometry::Collider;
 use std::cmp::Ordering;
 
@@ -15,7 +15,8 @@ pub(crate) struct Bodies {
     /// First those of `handles`, then all of them once more as what a dominated body sees: they move and do not give
     /// way.
     pub(crate) states: Vec<SolverBody>,
-    pub(crate) is_link: Vec<bool>,
+    /// The multibody of which a body is a link, and the number of the link.
+    pub(crate) links: Vec<Option<MultibodyLinkId>>,
     /// Joints between bodies of the given indices.
     pub(crate) joints: Vec<([usize; 2], JointForces)>,
 }
@@ -40,11 +41,11 @@ impl Bodies {
         states.extend_from_within(..);
         states[handles.len() + 1..].iter_mut().for_each(|state| *state = state.unyielding());
         let handles: Vec<_> = std::iter::once(None).chain(handles.into_iter().map(Some)).collect();
-        let is_link = |handle: &Option<RigidBodyHandle>| {
-            handle.is_some_and(|handle| world.multibody_joints.rigid_body_link(handle).is_some())
+        let link = |handle: &Option<RigidBodyHandle>| {
+            handle.and_then(|handle| world.multibody_joints.rigid_body_link(handle).copied())
         };
-        let is_link = handles.iter().map(is_link).collect();
-        let mut bodies = Self { is_link, handles, states, joints: Vec::new() };
+        let links = handles.iter().map(link).collect();
+        let mut bodies = Self { links, handles, states, joints: Vec::new() };
         let forces = |joint: &Joint<'_>| {
             let indices = joint.bodies.map(|handle| bodies.index(Some(handle)));
             let poses = joint.bodies.map(|handle| world.bodies[handle].position());

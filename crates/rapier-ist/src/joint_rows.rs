@@ -4,8 +4,9 @@
 //! distance of coupled linear axes (ropes, springs). Limits of coupled angular axes are left to Rapier alone.
 
 use crate::joints::Joint;
+use crate::links::Link;
 use crate::penalty::{JointForces, JointRow, Screw, SolverBody, compliance};
-use rapier3d::dynamics::{GenericJoint, IntegrationParameters, JointAxesMask, JointMotor};
+use rapier3d::dynamics::{GenericJoint, IntegrationParameters, JointAxesMask};
 use rapier3d::glamx::{DMat3, DQuat, DVec3};
 use rapier3d::math::{Pose, Real};
 use std::f64::consts::PI;
@@ -28,6 +29,7 @@ struct Give {
 struct JointState<'a> {
     states: [&'a SolverBody; 2],
     joint: &'a GenericJoint,
+    link: Option<Link<'a>>,
     /// Time step (s).
     dt: f64,
     most_bias: f64,
@@ -48,7 +50,7 @@ pub(crate) fn joint_forces(
     joint: &Joint<'_>,
     parameters: &IntegrationParameters,
 ) -> JointForces {
-    let Joint { data: joint, is_kinematic, .. } = *joint;
+    let Joint { data: joint, link, .. } = *joint;
     let (frame_a, frame_b) = (*poses[0] * joint.local_frame1, *poses[1] * joint.local_frame2);
     let [rotation_a, rotation_b] = [frame_a, frame_b].map(|frame| frame.rotation.as_dquat().normalize());
     let rotation = rotation_a.inverse() * rotation_b;
@@ -56,6 +58,7 @@ pub(crate) fn joint_forces(
     let state = JointState {
         states,
         joint,
+        link,
         dt: f64::from(parameters.dt),
         most_bias: f64::from(parameters.max_corrective_velocity()),
         origin,
@@ -63,10 +66,11 @@ pub(crate) fn joint_forces(
         offset: origin - frame_a.translation.as_dvec3(),
         rotation: if rotation.w < 0.0 { -rotation } else { rotation },
     };
-    let rows: Vec<Option<JointRow>> = if is_kinematic {
+    let rows: Vec<Option<JointRow>> = if link.is_some_and(|link| link.is_kinematic()) {
         state.motion().collect()
     } else {
-        state.motors().chain(state.locks()).chain(state.limits()).chain(state.coupled()).collect()
+        let driven = state.motors().chain(state.dampers());
+        driven.chain(state.locks()).chain(state.limits()).chain(state.coupled()).collect()
     };
     JointForces::new(origin, rows.into_iter().flatten().filter(JointRow::is_finite).collect())
 }
@@ -85,13 +89,20 @@ impl JointState<'_> {
         let axes = self.joint.motor_axes & !self.joint.locked_axes & !self.joint.coupled_axes;
         axes_in(axes).map(move |i| {
             let motor = &self.joint.motors[i];
-            if i < 3 {
-                let place = self.place(i);
-                self.motor(self.axis(i), motor, place - f64::from(motor.target_pos), self.room(i, place))
-            } else {
-                let angle = 2.0 * self.imaginary(i).clamp(-1.0, 1.0).asin();
-                self.motor(self.axis(i), motor, wrapped(angle - f64::from(motor.target_pos)), None)
+            let place = self.coordinate(i);
+            let error = place - f64::from(motor.target_pos);
+            match self.link {
+                None if i >= 3 => self.motor(i, self.axis(i), wrapped(error), None),
+                _ => self.motor(i, self.axis(i), error, self.room(i, place)),
             }
+        })
+    }
+
+    /// The damping of multibodies' joints.
+    fn dampers(&self) -> impl Iterator<Item = Option<JointRow>> {
+        axes_in(!self.joint.locked_axes).map(|i| {
+            let damping = self.link?.damping(i);
+            (damping > 0.0).then(|| JointRow::new(self.axis(i), 0.0, damping, FREE))
         })
     }
 
@@ -118,8 +129,8 @@ impl JointState<'_> {
         let axes = self.joint.limit_axes & !self.joint.locked_axes & !self.joint.coupled_axes;
         axes_in(axes).map(|i| {
             let [least, most] = self.limits_of(i);
-            if i < 3 {
-                return self.limit(i, self.place(i), [least, most]);
+            if i < 3 || self.link.is_some() {
+                return self.limit(i, self.coordinate(i), [least, most]);
             }
             let (half_range, center) = ((most - least) * 0.5, (most + least) * 0.5);
             if half_range >= PI || half_range.is_nan() {
@@ -140,10 +151,9 @@ impl JointState<'_> {
         let has = move |axes: JointAxesMask, i: usize| (axes & !locked_axes).bits() & (1 << i) != 0;
         let length = distance.length();
         first.zip(along).into_iter().flat_map(move |(i, along)| {
-            let motor = &self.joint.motors[i];
-            let error = length - f64::from(motor.target_pos);
+            let error = length - f64::from(self.joint.motors[i].target_pos);
             let drive =
-                has(motor_axes, i).then(|| self.motor(along, motor, error, self.room(i, length))).flatten();
+                has(motor_axes, i).then(|| self.motor(i, along, error, self.room(i, length))).flatten();
             // Rapier looks ahead for ropes, and only for these; they cannot be too short.
             let limit = has(limit_axes, i)
                 .then(|| self.rigid(along, length - self.limits_of(i)[1], [f64::NEG_INFINITY, 0.0]));
@@ -165,15 +175,20 @@ impl JointState<'_> {
         self.row(axis, -bias * (share / SOFTNESS).min(1.0), give, bounds)
     }
 
-    /// The row of a motor, `error` beyond its target.
-    fn motor(&self, axis: Screw, motor: &JointMotor, error: f64, room: Option<[f64; 2]>) -> Option<JointRow> {
+    /// The row of motor `i` along `axis`, `error` beyond its target.
+    fn motor(&self, i: usize, axis: Screw, error: f64, room: Option<[f64; 2]>) -> Option<JointRow> {
+        let motor = &self.joint.motors[i];
         let dt = self.dt as Real;
         let (rate, share, gain) = motor.model.combine_coefficients(dt, motor.stiffness, motor.damping);
         let speed = f64::from(motor.target_vel);
         let speed = room.map_or(speed, |[least, most]| speed.max(least).min(most));
         let wanted = speed - error * f64::from(rate);
+        let mut give = Give { share: f64::from(share), gain: f64::from(gain) };
+        // In a multibody that depends on all of its links.
+        if let Some(compliance) = self.link.and_then(|link| link.compliance(i)) {
+            give = Give { share: 0.0, gain: give.gain + give.share * compliance };
+        }
         let most = f64::from(motor.max_force);
-        let give = Give { share: f64::from(share), gain: f64::from(gain) };
         self.row(axis, wanted, give, [-most, most])
     }
 
@@ -200,6 +215,15 @@ impl JointState<'_> {
         let axis = self.basis.col(i % 3);
         let (linear, angular) = if i < 3 { (axis, DVec3::ZERO) } else { (DVec3::ZERO, axis) };
         Screw { linear, angular }
+    }
+
+    /// Of the joint along an axis that is not locked (m, rad).
+    fn coordinate(&self, i: usize) -> f64 {
+        match self.link {
+            Some(link) => link.coordinate(i),
+            None if i < 3 => self.place(i),
+            None => 2.0 * self.imaginary(i).clamp(-1.0, 1.0).asin(),
+        }
     }
 
     /// Of the second anchor along a linear axis.
@@ -252,6 +276,7 @@ mod tests {
         JointState {
             states: [&SolverBody::FIXED, &SolverBody::FIXED],
             joint,
+            link: None,
             dt: 0.01,
             most_bias: f64::INFINITY,
             origin: turn * pose.translation,

@@ -1,6 +1,7 @@
 //! The joints between bodies that touch, and those that hang on them.
 
 use crate::WorldParts;
+use crate::links::Link;
 use rapier3d::dynamics::{GenericJoint, RigidBody, RigidBodyHandle};
 use std::collections::{BTreeMap, HashSet};
 
@@ -8,8 +9,8 @@ use std::collections::{BTreeMap, HashSet};
 pub(crate) struct Joint<'a> {
     pub(crate) bodies: [RigidBodyHandle; 2],
     pub(crate) data: &'a GenericJoint,
-    /// Whether its motion is the user's.
-    pub(crate) is_kinematic: bool,
+    /// Where it is one of a multibody.
+    pub(crate) link: Option<Link<'a>>,
 }
 
 /// Kind and number of a joint: the order in which the solve takes them.
@@ -48,13 +49,13 @@ fn joints_at<'a>(
     body: RigidBodyHandle,
 ) -> impl Iterator<Item = (JointKey, Joint<'a>)> {
     let impulse = world.impulse_joints.attached_enabled_joints(body).map(|(a, b, handle, joint)| {
-        ((false, handle.0.into_raw_parts()), Joint { bodies: [a, b], data: &joint.data, is_kinematic: false })
+        ((false, handle.0.into_raw_parts()), Joint { bodies: [a, b], data: &joint.data, link: None })
     });
     let links = world.multibody_joints.attached_joints(body).filter_map(|(a, b, handle)| {
         let (multibody, id) = world.multibody_joints.get(handle)?;
-        let joint = multibody.link(id)?.joint();
-        let (data, is_kinematic) = (&joint.data, joint.kinematic);
-        let joint = Joint { bodies: [a, b], data, is_kinematic };
+        let link = Link { multibody, link: multibody.link(id)? };
+        let data = &link.link.joint().data;
+        let joint = Joint { bodies: [a, b], data, link: Some(link) };
         data.is_enabled().then_some(((true, handle.0.into_raw_parts()), joint))
     });
     impulse.chain(links)

@@ -113,6 +113,7 @@ mod hooks;
 mod joint_rows;
 mod joints;
 mod kinematic;
+mod links;
 mod lookahead;
 mod memory;
 mod mesh_surface;

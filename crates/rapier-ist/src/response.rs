@@ -100,6 +100,15 @@ fn collect(
     // A body that touches nothing is Rapier's alone: it flies the same whatever else is in the world.
     let mut touches = vec![false; bodies.states.len()];
     pairs.iter().flatten().for_each(|&body| touches[body] = true);
+    // Links of one multibody move together.
+    let touched: Vec<_> = (0..bodies.handles.len())
+        .filter(|&i| touches[i])
+        .filter_map(|i| bodies.links[i])
+        .map(|link| link.multibody)
+        .collect();
+    for (touches, link) in touches.iter_mut().zip(&bodies.links) {
+        *touches |= link.is_some_and(|link| touched.contains(&link.multibody));
+    }
     for Solved { pair, contacts: solved, twist, relative_velocity } in solved {
         let (origin, wrench) = (solved.origin, solved.wrench(twist));
         let mut of_patches = solved.patches.iter().flat_map(|patch| {
@@ -146,9 +155,9 @@ fn collect(
         let joints = joint_wrenches[i];
         let last = body.impulse_of(states[i]) * (1.0 / dt);
         let contact = if is_solved[i] || !last.fits_f32() { sums[i] } else { last - joints };
-        let (held, is_link) = (body.external + joints, bodies.is_link[i]);
+        let (held, link) = (body.external + joints, bodies.links[i]);
         let held = if held.fits_f32() { held } else { body.external };
-        Some(BodyForce { handle: bodies.handles[i]?, contact, held, is_link })
+        Some(BodyForce { handle: bodies.handles[i]?, contact, held, link })
     };
     moved.filter_map(force).collect()
 }

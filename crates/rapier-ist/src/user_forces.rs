@@ -1,8 +1,9 @@
 //! Contact forces on bodies during Rapier's step.
 
 use crate::WorldParts;
+use crate::links::apply_impulses;
 use crate::penalty::Screw;
-use rapier3d::dynamics::{RigidBody, RigidBodyHandle};
+use rapier3d::dynamics::{MultibodyIndex, MultibodyLinkId, RigidBody, RigidBodyHandle};
 use rapier3d::math::Vector;
 
 /// What the contacts do to one body in a step, about its centre of mass.
@@ -13,8 +14,27 @@ pub(crate) struct BodyForce {
     pub(crate) contact: Screw,
     /// What else acts on the body: gravity, the user's own force and torque, joints.
     pub(crate) held: Screw,
-    /// Whether the body is a link of a multibody.
-    pub(crate) is_link: bool,
+    /// The link of a multibody that the body is.
+    pub(crate) link: Option<MultibodyLinkId>,
+}
+
+/// Gives links their impulses; returns the multibodies where that could be done.
+fn push_links(world: &mut WorldParts<'_>, forces: &[BodyForce]) -> Vec<MultibodyIndex> {
+    let dt = f64::from(world.integration_parameters.dt);
+    let mut of_multibodies: Vec<(MultibodyIndex, Vec<(usize, Screw)>)> = Vec::new();
+    for BodyForce { contact, held, link, .. } in forces {
+        let Some(link) = link else { continue };
+        let impulse = (link.id, (*contact + *held) * dt);
+        match of_multibodies.iter_mut().find(|(index, _)| *index == link.multibody) {
+            Some((_, impulses)) => impulses.push(impulse),
+            None => of_multibodies.push((link.multibody, vec![impulse])),
+        }
+    }
+    let push = |(index, impulses): (MultibodyIndex, Vec<(usize, Screw)>)| {
+        let multibody = world.multibody_joints.get_multibody_mut_internal(index)?;
+        apply_impulses(multibody, &impulses).then_some(index)
+    };
+    of_multibodies.into_iter().filter_map(push).collect()
 }
 
 /// The user's own forces and torques on the bodies that contacts act on.
@@ -29,13 +49,14 @@ impl UserForces {
     pub(crate) fn suspend(world: &mut WorldParts<'_>, forces: Vec<BodyForce>) -> Self {
         let dt = world.integration_parameters.dt;
         let mut before = Vec::with_capacity(forces.len());
-        for BodyForce { handle, contact, held, is_link } in forces {
+        let in_one_step = push_links(world, &forces);
+        for BodyForce { handle, contact, held, link } in forces {
             let Some(body) = world.bodies.get_mut(handle) else { continue };
             before.push((handle, body.user_force(), body.user_torque()));
-            if is_link {
-                // Rapier computes the velocities of links from their joints: impulses on links are lost, forces are not.
-                body.add_force(contact.linear.as_vec3(), false);
-                body.add_torque(contact.angular.as_vec3(), false);
+            if let Some(link) = link {
+                let force = if in_one_step.contains(&link.multibody) { -held } else { contact };
+                body.add_force(force.linear.as_vec3(), false);
+                body.add_torque(force.angular.as_vec3(), false);
                 continue;
             }
             let impulse = (contact + held) * f64::from(dt);
