@@ -157,3 +157,35 @@ fn issue_elastic_bodies_keep_most_of_their_energy_and_make_none() {
         }
     }
 }
+
+/// What is hit in a row is pushed into the next in the same step, which it did not touch before.
+#[test]
+fn a_row_of_cubes_is_pushed_and_none_is_passed() {
+    const SIDE: f32 = 0.2;
+    let cube = packed(&shapes::cuboid(DVec3::splat(f64::from(SIDE) / 2.0)), 500);
+    // At 20 m/s steps are of 33 cm, more than a cube is long.
+    let speeds = [(5.0, 0.05), (10.0, 0.1), (20.0, 0.19)];
+    let cases = speeds.into_iter().flat_map(|speed| [0.01, 0.03, 0.1].map(|gap| (speed, gap)));
+    for (((speed, most), gap), weight) in cases.flat_map(|case| [1.0, 20.0].map(|weight| (case, weight))) {
+        let mut world = PhysicsWorld { gravity: Vec3::ZERO, ..PhysicsWorld::new() };
+        let mut plugin = IstPlugin::install(&mut world);
+        let mut insert = |x: f32, speed: f32, weight: f32| {
+            let body =
+                RigidBodyBuilder::dynamic().translation(Vec3::X * x).linvel(Vec3::X * speed).can_sleep(false);
+            world.insert(body, cube.clone().into_collider().density(weight * DENSITY)).0
+        };
+        let mut bodies = vec![insert(-1.0, speed, weight)];
+        bodies.extend((0..5_u8).map(|i| insert(f32::from(i) * (SIDE + gap), 0.0, 1.0)));
+        let (before, _, energy) = totals(&world);
+        let mut deepest = 0.0_f32;
+        for _ in 0..(150.0 / speed) as usize {
+            plugin.step(&mut world);
+            let places: Vec<f32> = bodies.iter().map(|&body| world.bodies[body].translation().x).collect();
+            deepest = places.windows(2).map(|pair| SIDE - (pair[1] - pair[0])).fold(deepest, f32::max);
+        }
+        let (after, _, left) = totals(&world);
+        println!("gap {gap} m, {speed} m/s, {weight} times as heavy: {deepest} m deep");
+        assert!(deepest < most, "gap {gap}, {speed} m/s, {weight}: {deepest} m deep");
+        assert!(after.distance(before) < 1e-4 * before.length() && left < energy);
+    }
+}

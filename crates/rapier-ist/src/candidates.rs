@@ -12,6 +12,8 @@ use rapier3d::math::{Pose, Real};
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::parry::partitioning::{Bvh, BvhBuildStrategy};
 use rapier3d::pipeline::{ActiveHooks, PairFilterContext, PhysicsHooks};
+use std::collections::HashMap;
+use std::ops::RangeInclusive;
 
 /// Two colliders near each other, of which at least one is an inner sphere tree; the smaller handle first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,43 +29,112 @@ pub(crate) struct Candidate {
     pub(crate) touched: bool,
     /// How far apart they are certain to be where they were last measured (m); 0 where they touch or nothing is known.
     pub(crate) clearance: Real,
+    /// Whether they can meet only where something else pushes one of them: not measured until it does.
+    pub(crate) is_distant: bool,
 }
 
-/// All pairs whose boxes overlap and which Rapier would let collide, sorted by handles.
+/// All pairs whose boxes overlap, or would if what else overlaps one of them pushed it as far as it can, and which Rapier would let
+/// collide; sorted by handles.
 pub(crate) fn candidates(world: &WorldParts<'_>, hooks: &dyn PhysicsHooks) -> Vec<Candidate> {
-    let mut solids = Vec::new();
-    let mut others = Vec::new();
-    for (handle, collider) in world.colliders.iter_enabled().filter(|(_, c)| !c.is_sensor()) {
-        let (pose, displacement) = motion(world, collider);
-        if !pose.is_finite() {
-            continue;
-        }
-        let shape = collider.shape();
-        let bounds = shape.compute_aabb(&pose).merged(&shape.compute_aabb(&displacement.apply(&pose)));
-        let bounds = bounds.loosened(collider.contact_skin());
-        let near = Near { handle, collider, pose, displacement, bounds };
-        let list = if is_solid(collider) { &mut solids } else { &mut others };
-        list.push(near);
-    }
-    let boxes: Vec<Aabb> = solids.iter().map(|solid| solid.bounds).collect();
-    let bvh = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
+    let colliders = Colliders::new(world);
     let filter = Filter { world, hooks };
     let mut pairs = Vec::new();
-    for (index, solid) in solids.iter().enumerate() {
-        // A box is read as f32 extents with a margin of its own in the tree: test again.
-        for other in bvh.intersect_aabb(&solid.bounds).map(|leaf| leaf as usize).filter(|&leaf| leaf > index)
-        {
-            filter.push(solid, &solids[other], &mut pairs);
-        }
-    }
-    for other in &others {
-        for solid in bvh.intersect_aabb(&other.bounds) {
-            filter.push(&solids[solid as usize], other, &mut pairs);
-        }
-    }
+    colliders.add_near(&filter, &mut pairs);
+    colliders.add_distant(&filter, &mut pairs);
     pairs.sort_unstable_by_key(|pair| pair.colliders.map(ColliderHandle::into_raw_parts));
+    pairs.dedup_by_key(|pair| pair.colliders);
     pairs
 }
+
+/// All that can touch: inner sphere trees, with a tree over their boxes, and other shapes.
+struct Colliders<'a> {
+    solids: Vec<Near<'a>>,
+    bvh: Bvh,
+    others: Vec<Near<'a>>,
+}
+
+impl<'a> Colliders<'a> {
+    fn new(world: &'a WorldParts<'_>) -> Self {
+        let mut solids = Vec::new();
+        let mut others = Vec::new();
+        for (handle, collider) in world.colliders.iter_enabled().filter(|(_, c)| !c.is_sensor()) {
+            let (pose, displacement) = motion(world, collider);
+            if !pose.is_finite() {
+                continue;
+            }
+            let shape = collider.shape();
+            let bounds = shape.compute_aabb(&pose).merged(&shape.compute_aabb(&displacement.apply(&pose)));
+            let bounds = bounds.loosened(collider.contact_skin());
+            let near = Near { handle, collider, pose, displacement, bounds };
+            let list = if is_solid(collider) { &mut solids } else { &mut others };
+            list.push(near);
+        }
+        let boxes: Vec<Aabb> = solids.iter().map(|solid| solid.bounds).collect();
+        let bvh = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
+        Self { solids, bvh, others }
+    }
+
+    /// The trees whose boxes overlap `region`, and perhaps some more: a box is read as f32 extents with a margin of its own.
+    fn solids_in<'b>(&'b self, region: &'b Aabb) -> impl Iterator<Item = (usize, &'b Near<'a>)> + 'b {
+        self.bvh.intersect_aabb(region).map(|leaf| (leaf as usize, &self.solids[leaf as usize]))
+    }
+
+    /// Pairs whose boxes overlap.
+    fn add_near(&self, filter: &Filter<'_>, pairs: &mut Vec<Candidate>) {
+        for (index, solid) in self.solids.iter().enumerate() {
+            for (_, other) in self.solids_in(&solid.bounds).filter(|(other, _)| *other > index) {
+                filter.push(solid, other, 0.0..=0.0, pairs);
+            }
+        }
+        for other in &self.others {
+            for (_, solid) in self.solids_in(&other.bounds) {
+                filter.push(solid, other, 0.0..=0.0, pairs);
+            }
+        }
+    }
+
+    /// Pairs that one of `pairs` may push into each other; some twice.
+    fn add_distant(&self, filter: &Filter<'_>, pairs: &mut Vec<Candidate>) {
+        let pushes = pushes(pairs);
+        let pushed = |near: &Near<'_>| pushes.get(&near.handle).map(|way| (*way, near.bounds.loosened(*way)));
+        for (index, solid) in self.solids.iter().enumerate() {
+            let Some((way, region)) = pushed(solid) else { continue };
+            for (_, other) in self.solids_in(&region).filter(|(other, _)| *other != index) {
+                filter.push(solid, other, Real::MIN_POSITIVE..=way, pairs);
+            }
+            for other in self.others.iter().filter(|other| other.bounds.intersects(&region)) {
+                filter.push(solid, other, Real::MIN_POSITIVE..=way, pairs);
+            }
+        }
+        for other in &self.others {
+            let Some((way, region)) = pushed(other) else { continue };
+            for (_, solid) in self.solids_in(&region) {
+                filter.push(solid, other, Real::MIN_POSITIVE..=way, pairs);
+            }
+        }
+    }
+}
+
+/// How far (m) each collider of `pairs` may be pushed in the step beyond its own way: as far as the fastest that may touch it moves
+/// relative to it. What is slow is left out.
+fn pushes(pairs: &[Candidate]) -> HashMap<ColliderHandle, Real> {
+    let mut pushes: HashMap<ColliderHandle, Real> = HashMap::new();
+    for pair in pairs {
+        let [a, b] = pair.displacements;
+        let way = a.reach(&b, pair.size) as Real;
+        if way > SLOW * pair.size {
+            for collider in pair.colliders {
+                let most = pushes.entry(collider).or_insert(0.0);
+                *most = most.max(way);
+            }
+        }
+    }
+    pushes
+}
+
+/// Ways, in parts of the smaller collider's size, by which nothing is pushed into what it did not touch before: next to it, boxes overlap.
+/// Not tuned.
+const SLOW: Real = 0.01;
 
 /// Pose of a collider after all changes that the user made since the last step, and its motion in the next.
 fn motion(world: &WorldParts<'_>, collider: &Collider) -> (Pose, Displacement) {
@@ -89,16 +160,19 @@ struct Filter<'a> {
 }
 
 impl Filter<'_> {
-    fn push(&self, a: &Near, b: &Near, pairs: &mut Vec<Candidate>) {
+    /// Adds a pair whose boxes are as far apart as `distances` allow (m).
+    fn push(&self, a: &Near, b: &Near, distances: RangeInclusive<Real>, pairs: &mut Vec<Candidate>) {
         let (a, b) = if a.handle.into_raw_parts() < b.handle.into_raw_parts() { (a, b) } else { (b, a) };
-        if a.bounds.intersects(&b.bounds) && self.may_collide(a, b) {
+        let clearance = gap(&a.bounds, &b.bounds);
+        if distances.contains(&clearance) && self.may_collide(a, b) {
             pairs.push(Candidate {
                 colliders: [a.handle, b.handle],
                 poses: [a.pose, b.pose],
                 displacements: [a.displacement, b.displacement],
                 size: longest_side(a.collider.shape()).min(longest_side(b.collider.shape())),
                 touched: false,
-                clearance: 0.0,
+                clearance,
+                is_distant: clearance > 0.0,
             });
         }
     }
@@ -174,6 +248,11 @@ impl Filter<'_> {
         let pair = self.world.narrow_phase.contact_pair(a.handle, b.handle);
         pair.is_some_and(|pair| pair.solver_manifolds().iter().any(|m| !m.data.solver_contacts.is_empty()))
     }
+}
+
+/// Distance (m) of two boxes along the axis along which it is largest; 0 where they overlap.
+fn gap(a: &Aabb, b: &Aabb) -> Real {
+    (a.mins - b.maxs).max(b.mins - a.maxs).max_element().max(0.0)
 }
 
 /// Longest side (m) of the box around a shape, in its own frame.

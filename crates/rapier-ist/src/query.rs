@@ -38,6 +38,9 @@ pub(crate) fn contacts(colliders: &ColliderSet, candidates: &mut [Candidate]) ->
 
 /// The contact of a candidate at the end of the step, or earlier on the way where that is long.
 fn contact(colliders: &ColliderSet, candidate: &mut Candidate) -> Option<Contact> {
+    if candidate.is_distant {
+        return None;
+    }
     candidate.clearance = 0.0;
     let [a, b] = candidate.colliders.map(|handle| colliders.get(handle));
     let (a, b) = (a?, b?);

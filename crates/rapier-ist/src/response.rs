@@ -36,7 +36,7 @@ pub(crate) fn respond(
     // How contacts began is known from the steps before, the forces from the last solve.
     let before = std::mem::take(memory);
     *memory = before.iter().map(|(pair, known)| (*pair, known.next())).collect();
-    let mut round = 1;
+    let (mut round, mut rounds) = (1, MAX_ROUNDS);
     let solution = loop {
         let touching: Vec<&Contact> = found.iter().flatten().collect();
         let known_touching =
@@ -44,7 +44,7 @@ pub(crate) fn respond(
         let start = Start { states: &states, known: known_touching.collect(), memories: [&before, memory] };
         let solution = timed(&mut report.solve_seconds, || solve(world, &bodies, &touching, start, law));
         solution.remember(&touching, memory);
-        if round == MAX_ROUNDS {
+        if round == rounds {
             break solution;
         }
         let stale = solution.stale(world, &bodies, &mut candidates, &found);
@@ -62,6 +62,9 @@ pub(crate) fn respond(
         let mut solved = solution.into_contacts();
         known.extend(found.iter().map(|found| found.as_ref().and_then(|_| solved.next().flatten())));
         drop(solved);
+        if anew.iter().any(|(index, _)| found[*index].is_none()) {
+            rounds = MAX_ROUNDS + 1;
+        }
         for (index, next) in anew {
             (found[index], known[index]) = (next, None);
         }
@@ -79,7 +82,9 @@ fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {
     done
 }
 
-/// Most measurements of the overlaps in a step.
+/// Most measurements of the overlaps in a step; one more where something is pushed into what it did not touch.
+///
+/// A cube flies at 20 m/s against a row of five, 3 and 10 cm apart: without the one more the first in the row is passed.
 ///
 /// Six rings fall on each other from 1 cm each, 3,000 spheres, 20 kg/m³: with one round they slide off each other from
 /// 1e7 N/m³ on, with two at 1e8 in some runs, with three and four they stand at all of 1e4 to 1e8.

@@ -85,6 +85,7 @@ impl Solution {
                 }
             };
             if far {
+                candidate.is_distant = false;
                 candidate.displacements = displacements;
                 stale.push(index);
             }
