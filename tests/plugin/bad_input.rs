@@ -49,6 +49,63 @@ fn any_parameter_of_the_penalty() {
     }
 }
 
+/// What Rapier makes of such a joint is its own; bodies that do not hang on it go on.
+#[test]
+fn any_number_in_a_joint() {
+    for bad in [0.0, -1.0, f32::NAN, f32::INFINITY, f32::MIN_POSITIVE, 1e30] {
+        for parameter in 0..8 {
+            for is_link in [false, true] {
+                let (mut world, mut plugin, bodies) = stack();
+                let hand =
+                    world.insert_body(RigidBodyBuilder::kinematic_velocity_based().translation(Vector::Y));
+                let finger = world.insert(dynamic(Vector::new(RADIUS * 2.1, RADIUS, 0.0)), ball_collider()).0;
+                let alone = world.insert(dynamic(Vector::new(-RADIUS * 4.0, RADIUS, 0.0)), ball_collider()).0;
+                let mut joint = GenericJointBuilder::new(JointAxesMask::LOCKED_PRISMATIC_AXES)
+                    .motor_position(JointAxis::LinX, -0.1, 1e3, 1e2)
+                    .limits(JointAxis::LinX, [-0.2, 0.3])
+                    .motor_max_force(JointAxis::LinX, 50.0)
+                    .local_anchor1(Vector::new(RADIUS * 2.1, RADIUS - 1.0, 0.0))
+                    .build();
+                // Rapier itself panics at multibodies whose numbers are not finite, and whose limits leave no room.
+                let is_usual = bad.abs() < 10.0;
+                if is_link && (!is_usual || (parameter == 5 && bad < -0.2)) {
+                    continue;
+                }
+                let motor = &mut joint.motors[0];
+                match parameter {
+                    0 => motor.target_pos = bad,
+                    1 => motor.target_vel = bad,
+                    2 => motor.stiffness = bad,
+                    3 => motor.damping = bad,
+                    4 => motor.max_force = bad,
+                    5 => joint.limits[0].max = bad,
+                    6 => joint.softness.natural_frequency = bad,
+                    _ => joint.local_frame1.translation.x = bad,
+                }
+                if is_link {
+                    world.insert_multibody_joint(hand, finger, joint);
+                } else {
+                    world.insert_impulse_joint(hand, finger, joint);
+                }
+                for _ in 0..60 {
+                    plugin.step(&mut world);
+                }
+                let at_rest = [bodies[0], bodies[1], alone].map(|body| world.bodies[body].translation());
+                assert!(
+                    at_rest[2].is_finite() && (at_rest[2].y - RADIUS).abs() < 0.01,
+                    "{bad} {parameter} {is_link}"
+                );
+                if is_usual {
+                    assert!(
+                        at_rest.iter().all(|place| place.is_finite()),
+                        "{bad} {parameter} {is_link}: {at_rest:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn any_time_step() {
     for dt in [0.0, -1.0, f32::NAN, 1e-6, 1.0] {

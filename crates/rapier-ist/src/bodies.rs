@@ -50,9 +50,9 @@ impl Bodies {
             let indices = joint.bodies.map(|handle| bodies.index(Some(handle)));
             let poses = joint.bodies.map(|handle| world.bodies[handle].position());
             let states = indices.map(|index| &bodies.states[index]);
-            (indices, joint_forces(states, poses, joint, world.integration_parameters))
+            Some((indices, joint_forces(states, poses, joint, world.integration_parameters)?))
         };
-        bodies.joints = joints.iter().map(forces).collect();
+        bodies.joints = joints.iter().filter_map(forces).collect();
         bodies
     }
 

@@ -43,13 +43,13 @@ struct JointState<'a> {
     rotation: DQuat,
 }
 
-/// The rows of `joint` between bodies at the given poses.
+/// The rows of `joint` between bodies at the given poses; none where it does nothing, or where its numbers are not finite.
 pub(crate) fn joint_forces(
     states: [&SolverBody; 2],
     poses: [&Pose; 2],
     joint: &Joint<'_>,
     parameters: &IntegrationParameters,
-) -> JointForces {
+) -> Option<JointForces> {
     let Joint { data: joint, link, .. } = *joint;
     let (frame_a, frame_b) = (*poses[0] * joint.local_frame1, *poses[1] * joint.local_frame2);
     let [rotation_a, rotation_b] = [frame_a, frame_b].map(|frame| frame.rotation.as_dquat().normalize());
@@ -72,7 +72,8 @@ pub(crate) fn joint_forces(
         let driven = state.motors().chain(state.dampers());
         driven.chain(state.locks()).chain(state.limits()).chain(state.coupled()).collect()
     };
-    JointForces::new(origin, rows.into_iter().flatten().filter(JointRow::is_finite).collect())
+    let rows: Vec<JointRow> = rows.into_iter().flatten().filter(JointRow::is_finite).collect();
+    (origin.is_finite() && !rows.is_empty()).then(|| JointForces::new(origin, rows))
 }
 
 impl JointState<'_> {
@@ -170,7 +171,7 @@ impl JointState<'_> {
         let softness = &self.joint.softness;
         let dt = self.dt as Real;
         let share = f64::from(softness.cfm_coeff(dt));
-        let bias = (error * f64::from(softness.erp_inv_dt(dt))).clamp(-self.most_bias, self.most_bias);
+        let bias = (error * f64::from(softness.erp_inv_dt(dt))).max(-self.most_bias).min(self.most_bias);
         let give = Give { share, ..Give::default() };
         self.row(axis, -bias * (share / SOFTNESS).min(1.0), give, bounds)
     }

@@ -139,8 +139,16 @@ impl Run {
         // No multibodies: Rapier itself panics at some changes of theirs, such as another joint between two links.
         match below(u, 3) {
             0 => {
-                let joint =
+                let mut joint =
                     RevoluteJointBuilder::new(Vector::Z).local_anchor1(anchor).contacts_enabled(contacts);
+                if raw(u) {
+                    let motor = moderate_vector(u);
+                    joint = joint.motor_velocity(motor.x, motor.y.abs()).motor_max_force(motor.z.abs());
+                }
+                if raw(u) {
+                    let limit = moderate_vector(u);
+                    joint = joint.limits([limit.x.min(limit.y), limit.x.max(limit.y)]);
+                }
                 self.world.insert_impulse_joint(handle, other, joint);
             }
             1 => {
