@@ -30,10 +30,10 @@ pub(crate) fn joints_of<'a>(world: &'a WorldParts<'_>, bodies: &mut Vec<RigidBod
             continue;
         }
         for (key, joint) in joints_at(world, body) {
-            bodies.extend(
-                joint.bodies.into_iter().filter(|body| world.bodies.contains(*body) && seen.insert(*body)),
-            );
-            found.insert(key, joint);
+            if joint.bodies.iter().all(|body| world.bodies.contains(*body)) {
+                bodies.extend(joint.bodies.into_iter().filter(|body| seen.insert(*body)));
+                found.insert(key, joint);
+            }
         }
     }
     found.into_values().collect()
