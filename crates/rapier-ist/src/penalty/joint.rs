@@ -69,7 +69,7 @@ impl JointForces {
     }
 
     /// Linearises all rows at the speeds of the last pass.
-    pub(super) fn linearize(&mut self) {
+    pub(crate) fn linearize(&mut self) {
         (self.offset, self.damping) = (Screw::ZERO, Symmetric6::ZERO);
         for (row, law) in self.rows.iter().zip(&mut self.laws) {
             *law = row.linearized();
@@ -86,7 +86,7 @@ impl JointForces {
 
     /// Takes over a relative twist for the next linearisation. Returns how far the forces of the law are from those of the
     /// linearised system, relative to their sum.
-    pub(super) fn update(&mut self, twist: Screw) -> f64 {
+    pub(crate) fn update(&mut self, twist: Screw) -> f64 {
         let (mut change, mut total) = (0.0, 0.0);
         for (row, [force, damping]) in self.rows.iter_mut().zip(&self.laws) {
             row.speed = twist.dot(row.axis);
@@ -110,7 +110,7 @@ impl JointForces {
     }
 
     /// Wrench on the second body about [`Self::origin`] at the given relative twist.
-    pub(super) fn wrench(&self, twist: Screw) -> Screw {
+    pub(crate) fn wrench(&self, twist: Screw) -> Screw {
         self.offset - self.damping * twist
     }
 
