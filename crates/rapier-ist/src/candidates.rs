@@ -96,20 +96,21 @@ impl<'a> Colliders<'a> {
     /// Pairs that one of `pairs` may push into each other; some twice.
     fn add_distant(&self, filter: &Filter<'_>, pairs: &mut Vec<Candidate>) {
         let pushes = pushes(pairs);
-        let pushed = |near: &Near<'_>| pushes.get(&near.handle).map(|way| (*way, near.bounds.loosened(*way)));
+        let Some(most) = pushes.values().copied().reduce(Real::max) else { return };
+        let way = |near: &Near<'_>| pushes.get(&near.handle).copied();
         for (index, solid) in self.solids.iter().enumerate() {
-            let Some((way, region)) = pushed(solid) else { continue };
-            for (_, other) in self.solids_in(&region).filter(|(other, _)| *other != index) {
-                filter.push(solid, other, Real::MIN_POSITIVE..=way, pairs);
-            }
-            for other in self.others.iter().filter(|other| other.bounds.intersects(&region)) {
+            let Some(way) = way(solid) else { continue };
+            for (_, other) in self.solids_in(&solid.bounds.loosened(way)).filter(|(other, _)| *other != index)
+            {
                 filter.push(solid, other, Real::MIN_POSITIVE..=way, pairs);
             }
         }
         for other in &self.others {
-            let Some((way, region)) = pushed(other) else { continue };
-            for (_, solid) in self.solids_in(&region) {
-                filter.push(solid, other, Real::MIN_POSITIVE..=way, pairs);
+            for (_, solid) in self.solids_in(&other.bounds.loosened(most)) {
+                let pushed = [way(solid), way(other)].into_iter().flatten();
+                if let Some(way) = pushed.reduce(Real::max) {
+                    filter.push(solid, other, Real::MIN_POSITIVE..=way, pairs);
+                }
             }
         }
     }
