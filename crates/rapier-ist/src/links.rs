@@ -48,7 +48,7 @@ impl Link<'_> {
 }
 
 /// Gives `multibody` an impulse on each link, about its centre of mass, at once: the generalised velocities change by
-/// `M⁻¹ Σ Jᵀ p`, with the mass matrix M and the Jacobians J of the links that Rapier last computed. Returns whether it could: before
+/// `M⁻¹ Σ Jᵀ p` (R. Featherstone, *Rigid Body Dynamics Algorithms*, 2008, chapter 11), with the mass matrix M and the Jacobians J of the links that Rapier last computed. Returns whether it could: before
 /// Rapier's first step there are none, and where the user moves a joint the matrix is another one.
 pub(crate) fn apply_impulses(multibody: &mut Multibody, impulses: &[(usize, Screw)]) -> bool {
     let count = multibody.ndofs();

@@ -41,7 +41,7 @@ fn push_links(world: &mut WorldParts<'_>, forces: &[BodyForce]) -> Vec<Multibody
 pub(crate) struct UserForces(Vec<(RigidBodyHandle, Vector, Vector)>);
 
 impl UserForces {
-    /// Gives every body its final velocity now and holds it against gravity and the user's forces during the step.
+    /// Gives every body its final velocity now and holds it against gravity, the user's forces and joints during the step.
     ///
     /// The solve is for a body that moves at its final velocity through the whole step. Rapier moves bodies in
     /// substeps and adds external forces bit by bit, so an impulse alone would lift a resting body before gravity

@@ -8,10 +8,10 @@ use rapier3d::glamx::{DMat3, DVec3};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct JointRow {
     /// Wrench on the second body, about the joint's origin, per unit of force.
-    pub(crate) axis: Screw,
-    pub(crate) force: f64,
-    pub(crate) damping: f64,
-    pub(crate) bounds: [f64; 2],
+    axis: Screw,
+    force: f64,
+    damping: f64,
+    bounds: [f64; 2],
     /// Relative twist along `axis`, as last solved.
     speed: f64,
 }
