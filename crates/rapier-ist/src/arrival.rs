@@ -7,7 +7,7 @@ use crate::IstShape;
 use crate::candidates::Candidate;
 use crate::dispatcher::time_of_impact;
 use crate::lookahead::Displacement;
-use ist::{BallKind, ImpactOptions};
+use ist::{BallKind, ContactSample, ImpactOptions};
 use rapier3d::math::Real;
 use rapier3d::parry::shape::Shape;
 
@@ -20,6 +20,12 @@ const STRIDE: f64 = 0.25;
 /// How far from contact a cast may end, as a share of the thickness. Less than the stride, so that the first pose after it
 /// overlaps; it bounds the work for bodies that slide along others. Not tuned.
 const TOLERANCE: f64 = 0.05;
+
+/// What a pair goes in by in the rest of its way, in parts of the thickness, from which on a further contact counts. Not tuned.
+const DEEP: f64 = 0.5;
+
+/// Cosine (of 60°) of the angle between normals from which on they belong to different contacts. Not tuned.
+const OTHER_WAY: f32 = 0.65;
 
 /// Most poses along the way at which an overlap is measured.
 const MOST_PROBES: usize = 16;
@@ -44,6 +50,23 @@ pub(crate) fn shares(
     let share = move |index: usize| (first + index as f64 * stride).min(last);
     let count = ((last - first) / stride).ceil().max(0.0) as usize + usize::from(last > 0.0);
     (0..count.min(MOST_PROBES + 1)).map(share)
+}
+
+/// Whether `next`, measured at the `share` of the candidate's displacements, has a contact that `first` has not, and into which the
+/// pair goes deep in the rest of its way: what slides over the floor of a container reaches its wall.
+pub(crate) fn has_another(
+    shapes: [&dyn Shape; 2],
+    candidate: &Candidate,
+    share: f64,
+    [first, next]: [&[ContactSample]; 2],
+) -> bool {
+    let [a, b] = candidate.displacements;
+    let least = DEEP * thickness(shapes);
+    next.iter().any(|s| {
+        let point = s.point.as_dvec3();
+        let rest = (b.at(point) - a.at(point)) * (1.0 - share);
+        rest.dot(s.normal.as_dvec3()) < -least && first.iter().all(|f| f.normal.dot(s.normal) < OTHER_WAY)
+    })
 }
 
 /// Radius (m) below which the thinner solid holds half of its volume.

@@ -50,10 +50,8 @@ impl Displacement {
     /// No point within `radius` of the centre of mass moves farther than this relative to one that moves with
     /// `other` (m), but for terms of second order.
     pub(crate) fn reach(&self, other: &Self, radius: Real) -> f64 {
-        let lever = self.center.distance(other.center) + f64::from(radius);
-        (self.screw.linear - other.screw.linear).length()
-            + self.screw.angular.length() * f64::from(radius)
-            + other.screw.angular.length() * lever
+        let turn = self.screw.angular - other.screw.angular;
+        (self.screw.linear - other.at(self.center)).length() + turn.length() * f64::from(radius)
     }
 
     /// `pose` after the displacement.
@@ -77,6 +75,11 @@ impl Displacement {
     /// Way of the centre of mass (m).
     pub(crate) fn translation(&self) -> DVec3 {
         self.screw.linear
+    }
+
+    /// Rotation vector (rad).
+    pub(crate) fn rotation(&self) -> DVec3 {
+        self.screw.angular
     }
 
     /// Way of the point of the body that is at `point` before (m), to first order.

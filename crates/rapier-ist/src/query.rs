@@ -1,6 +1,6 @@
 //! Contact samples of all candidate pairs, in the world frame.
 
-use crate::arrival::shares;
+use crate::arrival::{has_another, shares};
 use crate::candidates::Candidate;
 use crate::containment::agree_on_direction;
 use crate::dispatcher::with_workspace;
@@ -48,19 +48,26 @@ fn contact(colliders: &ColliderSet, candidate: &mut Candidate) -> Option<Contact
     let skin = a.contact_skin() + b.contact_skin();
     let with_skin = |tree: &InnerSphereTree| tree.with_skin(tree.skin() + skin);
     let solids = shapes.map(|shape| with_skin(shape.as_shape::<IstShape>()?.tree()));
-    let mut samples = Vec::new();
+    let mut found: Option<Contact> = None;
     let mut clearance = 0.0;
-    let displacements = shares(shapes, candidate, skin).find_map(|share| {
+    for share in shares(shapes, candidate, skin) {
         let displacements = candidate.displacements.map(|displacement| displacement.part(share));
         let poses = [0, 1].map(|i| displacements[i].apply(&candidate.poses[i]));
+        let mut samples = Vec::new();
         clearance = measure((&solids, shapes), &poses, &mut samples);
-        (!samples.is_empty()).then_some(displacements)
-    });
-    let Some(displacements) = displacements else {
+        let first = found.as_ref().map(|first| &first.samples[..]);
+        let is_another = first.is_some_and(|first| has_another(shapes, candidate, share, [first, &samples]));
+        if is_another || found.is_none() && !samples.is_empty() {
+            found = Some(Contact { candidate: *candidate, displacements, samples });
+        }
+        if is_another {
+            break;
+        }
+    }
+    if found.is_none() {
         candidate.clearance = clearance;
-        return None;
-    };
-    Some(Contact { candidate: *candidate, displacements, samples })
+    }
+    found
 }
 
 /// Appends the contact samples of two shapes, of which one is an inner sphere tree, in the world frame. Of two trees

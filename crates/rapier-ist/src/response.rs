@@ -53,8 +53,15 @@ pub(crate) fn respond(
         for (&index, moved) in stale.iter().zip(&moved) {
             candidates[index] = *moved;
         }
-        // Where nothing overlaps any more the tangent that pushed the pair apart still holds.
-        let anew: Vec<_> = stale.into_iter().zip(next).filter(|(_, next)| next.is_some()).collect();
+        // Where what pushed a pair apart overlaps no more its tangent still holds.
+        let mut solved = solution.solved.iter();
+        let solved: Vec<_> = found.iter().map(|found| found.as_ref().and_then(|_| solved.next())).collect();
+        let anew: Vec<_> = (stale.into_iter().zip(next))
+            .filter(|(index, next)| {
+                next.as_ref()
+                    .is_some_and(|next| solved[*index].is_none_or(|solved| solved.still_pushes(next)))
+            })
+            .collect();
         if anew.is_empty() && !solution.has_rebounds() {
             break solution;
         }

@@ -32,6 +32,12 @@ const STALE: f64 = 0.25;
 /// of gears are as far from their goals as with it.
 const STALE_GAP: f64 = 1e-3;
 
+/// Share of the forces of a pair from which on a patch has to be there in a new measurement. Not tuned.
+const NOTICEABLE: f64 = 0.1;
+
+/// Cosine (of 60°) of the angle up to which a sample of it pushes as the patch did. Not tuned.
+const SAME_WAY: f64 = 0.5;
+
 impl Solution {
     /// Replaces what is remembered of all pairs.
     pub(crate) fn remember(&self, contacts: &[&Contact], memory: &mut Memory) {
@@ -207,6 +213,15 @@ pub(crate) struct Solved {
 }
 
 impl Solved {
+    /// Whether all that pushes noticeably still overlaps in `next`, the contact measured anew.
+    pub(crate) fn still_pushes(&self, next: &Contact) -> bool {
+        let forces = self.contacts.patches.iter().map(|patch| patch.wrench(self.twist).linear);
+        let sum: f64 = forces.clone().map(|force| force.length()).sum();
+        forces.filter(|force| force.length() > NOTICEABLE * sum).all(|force| {
+            next.samples.iter().any(|s| s.normal.as_dvec3().dot(force) > SAME_WAY * force.length())
+        })
+    }
+
     fn should_rebound(&self) -> bool {
         self.contacts.should_rebound(self.twist)
     }

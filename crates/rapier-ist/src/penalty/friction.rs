@@ -15,9 +15,9 @@ pub(super) struct Friction {
 
 impl Friction {
     /// That of `material`, of which the pair has the share `grip`.
-    pub(super) fn new(material: &Material, grip: f64) -> Self {
+    pub(super) fn new(material: &Material, grip: f64, turning: DVec3) -> Self {
         let Material { friction, creep_speed, tangent_velocity, .. } = *material;
-        Self { coefficient: friction * grip, creep_speed, tangent_velocity }
+        Self { coefficient: friction * grip, creep_speed, tangent_velocity: tangent_velocity + turning }
     }
 
     /// The slip that friction works towards, across the unit vector `normal` (m/s).

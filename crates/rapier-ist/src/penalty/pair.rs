@@ -39,6 +39,8 @@ pub(crate) struct PairContacts {
     before: Screw,
     /// Impulse of the rebound on b about [`Self::origin`], in this step.
     rebound: Option<Rebound>,
+    /// What bodies that turn as one seem to part by at the end of the step (m/s).
+    turning: DVec3,
     dt: f64,
     /// What the pair has carried before the step (N).
     carried: f64,
@@ -100,6 +102,7 @@ impl PairContacts {
             step,
             before: pair.before,
             rebound: rebound.map(|impulse| Rebound::new(impulse, pair.before)),
+            turning: pair.turning(),
             dt,
             carried: memory.carried,
             load: pair.load(),
@@ -170,7 +173,7 @@ impl PairContacts {
     }
 
     fn friction(&self) -> Friction {
-        Friction::new(&self.material, self.grip())
+        Friction::new(&self.material, self.grip(), self.turning)
     }
 
     /// Share of the friction that the pair has.

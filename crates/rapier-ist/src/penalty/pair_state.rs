@@ -8,6 +8,7 @@ use super::sample::Sample;
 use super::twist::Screw;
 use crate::query::Contact;
 use ist::ContactSample;
+use rapier3d::glamx::DVec3;
 
 /// Impacts that can stop the bodies within a step, `h² k A > STOPS_WITHIN_A_STEP · m`, have their whole rebound in the step
 /// after. Softer ones take several steps ([`resolve`](super::resolved::resolve)).
@@ -51,10 +52,15 @@ impl<'a> PairState<'a> {
         self.bodies.iter().map(|body| body.compliance(self.placement.origin, along)).sum()
     }
 
-    /// Mean normal velocity (m/s) of the surfaces at the relative twist `twist`, weighted by volume.
+    /// What bodies that turn as one seem to part by (m/s) at the end of the step; before it as much the other way.
+    pub(super) fn turning(&self) -> DVec3 {
+        self.placement.turning / self.dt
+    }
+
+    /// Mean normal velocity (m/s) of the surfaces at the relative twist `twist` before the step, weighted by volume.
     pub(super) fn opening(&self, twist: Screw) -> f64 {
         let part = |s: &ContactSample| {
-            let velocity = twist.twist_at(self.placement.arm(s.point.as_dvec3())).linear;
+            let velocity = twist.twist_at(self.placement.arm(s.point.as_dvec3())).linear + self.turning();
             (velocity.dot(s.normal.as_dvec3()) - sliding(s, velocity)) * f64::from(s.volume)
         };
         self.contact.samples.iter().map(part).sum::<f64>() / self.volume().max(f64::MIN_POSITIVE)
@@ -103,7 +109,7 @@ impl<'a> PairState<'a> {
             rate: self.dt / patch.depth,
             moved: self.placement.moved(s) / self.dt,
             dissipation: law.dissipation,
-            sliding: sliding(s, velocity),
+            sliding: sliding(s, velocity) + self.turning().dot(s.normal.as_dvec3()),
             velocity,
             force: 0.0,
             damping: 0.0,

@@ -28,6 +28,8 @@ pub(super) struct Placement {
     to_contact: [Displacement; 2],
     /// What follows them, of a pair that was measured early on its way.
     behind: Option<[Displacement; 2]>,
+    /// How far bodies that turn as one seem to part in the step (m), see [`turning`].
+    pub(super) turning: DVec3,
 }
 
 impl Placement {
@@ -38,7 +40,7 @@ impl Placement {
         let way = way(states, to_contact);
         let origin = moment / volume.max(f64::MIN_POSITIVE) - way;
         let behind = (all != to_contact).then(|| [all[0] - to_contact[0], all[1] - to_contact[1]]);
-        Self { origin, way, to_contact, behind }
+        Self { origin, way, to_contact, behind, turning: turning(states, all) }
     }
 
     /// From [`Self::origin`] to where `point` of the contact acts.
@@ -80,6 +82,23 @@ fn way(states: [&SolverBody; 2], displacements: [Displacement; 2]) -> DVec3 {
     } else {
         DVec3::ZERO
     }
+}
+
+/// How far the second body seems to move relative to the first (m) at the velocities of the end of the step, where both turn as one.
+///
+/// Bodies go a step along the chords of their ways, and a contact is taken to be where it is before the step. With the places c of
+/// the centres of mass, the angular velocity ω and the time step h that is `h² ω × (ω × (c_b − c_a)) / 2`; before the step, at the
+/// velocities of the last chords, it is as much the other way. In a drum it is half of what gravity does in a step, or more, and
+/// without it friction throws off what turns with a table. Each body sees the contact go by other ways than its own, and turns the
+/// surface there:
+///
+/// `(θ_a × (w − w_a) − θ_b × (w − w_b)) / 2`
+///
+/// with the rotation vectors θ, the ways of the centres of mass and that of the contact, w.
+fn turning(states: [&SolverBody; 2], displacements: [Displacement; 2]) -> DVec3 {
+    let way = way(states, displacements);
+    let [a, b] = displacements.map(|body| body.rotation().cross(way - body.translation()));
+    0.5 * (a - b)
 }
 
 #[cfg(test)]

@@ -1,0 +1,173 @@
+//! Bodies that turn together with what they lie on or in: drums, tables, shaken cups.
+
+use super::{DENSITY, packed};
+use glam::{DVec3, Quat, Vec3};
+use packer::TriangleMesh;
+use rapier_ist::{IstPlugin, IstShape};
+use rapier_ist_examples::shapes;
+use rapier3d::prelude::*;
+use std::f32::consts::TAU;
+
+/// Inner radius of the drum (m).
+const DRUM: f32 = 0.45;
+
+/// A hollow ball with a hole, its axis along z: as a tree and as a triangle mesh.
+fn drums() -> [(&'static str, ColliderBuilder); 2] {
+    let mut mesh = shapes::bowl(f64::from(DRUM), 0.05, 0.8, 48);
+    mesh.vertices.iter_mut().for_each(|v| *v = DVec3::new(v.x, -v.z, v.y));
+    let vertices = mesh.vertices.iter().map(|v| v.as_vec3()).collect();
+    let triangles = ColliderBuilder::trimesh(vertices, mesh.triangles.clone()).unwrap();
+    [("tree", packed(&mesh, 4000).into_collider()), ("mesh", triangles)]
+}
+
+/// A cube of 0.12 m.
+fn cube() -> IstShape {
+    packed(&shapes::cuboid(DVec3::splat(0.06)), 300)
+}
+
+fn spinning(world: &mut PhysicsWorld, drum: &ColliderBuilder, speed: f32) {
+    let body = RigidBodyBuilder::kinematic_velocity_based().angvel(Vec3::Z * speed);
+    world.insert(body, drum.clone().friction(0.6));
+}
+
+/// A step leads along a chord: bodies in a drum took the other half of the arc for parting, and sank into the wall.
+#[test]
+fn what_turns_with_a_drum_is_pressed_on_by_mass_times_square_of_speed_times_radius() {
+    let cube = cube();
+    for (name, drum) in drums() {
+        for turns in [0.5, 1.0, 2.0, 4.0] {
+            let speed = turns * TAU;
+            let mut world = PhysicsWorld { gravity: Vec3::ZERO, ..PhysicsWorld::new() };
+            let mut plugin = IstPlugin::install(&mut world);
+            spinning(&mut world, &drum, speed);
+            let radius = 0.37;
+            let body = RigidBodyBuilder::dynamic()
+                .translation(Vec3::X * radius)
+                .linvel(Vec3::Y * speed * radius)
+                .angvel(Vec3::Z * speed)
+                .can_sleep(false);
+            let (handle, _) = world.insert(body, cube.clone().into_collider().density(DENSITY).friction(0.6));
+            let (mut force, mut places) = (0.0, Vec::new());
+            for step in 1..=300 {
+                plugin.step(&mut world);
+                let contacts = &plugin.report().contacts;
+                force += if step > 180 { contacts.iter().map(|c| c.force.length()).sum::<f32>() } else { 0.0 };
+                let place = world.bodies[handle].translation();
+                places.push(Quat::from_rotation_z(-speed * step as f32 / 60.0) * place);
+            }
+            let body = &world.bodies[handle];
+            let force = force / 120.0;
+            let expected = body.mass() * speed * speed * body.translation().length();
+            println!("{name}, {turns} turns a second: {:.4} m, {force:.1} N of {expected:.1} N, \
+                moved {:.4} m in the last second", places[299].length(), places[299].distance(places[239]));
+        }
+    }
+}
+
+#[test]
+fn nothing_gets_out_of_a_drum_that_turns() {
+    let cube = cube();
+    for (name, drum) in drums() {
+        for (turns, restitution) in [(0.5, 0.0), (1.0, 0.0), (1.0, 0.5), (2.0, 0.0), (2.0, 0.5)] {
+            let mut world = PhysicsWorld::new();
+            let mut plugin = IstPlugin::install(&mut world);
+            spinning(&mut world, &drum, turns * TAU);
+            let bodies: Vec<_> = (0..6)
+                .map(|i| {
+                    let at = Quat::from_rotation_z(i as f32 * TAU / 6.0) * Vec3::X * 0.25;
+                    let cube = cube.clone().into_collider().density(500.0);
+                    let body = RigidBodyBuilder::dynamic().translation(at);
+                    world.insert(body, cube.friction(0.5).restitution(restitution)).0
+                })
+                .collect();
+            let (mut farthest, mut deepest) = (0.0_f32, 0.0_f32);
+            for _ in 0..480 {
+                plugin.step(&mut world);
+                deepest = plugin.report().contacts.iter().map(|c| c.depth).fold(deepest, f32::max);
+                let places = bodies.iter().map(|body| world.bodies[*body].translation().length());
+                farthest = places.fold(farthest, f32::max);
+            }
+            println!("{name}, {turns} turns a second, e = {restitution}: {farthest:.3} m from the middle, {deepest:.4} m deep");
+        }
+    }
+}
+
+/// What friction holds at a distance moved outwards by half of a step's arc in every step.
+#[test]
+fn what_friction_holds_on_a_turntable_stays() {
+    let cube = cube();
+    for (turns, radius) in [(0.25, 0.8), (0.5, 0.6), (1.0, 0.149), (2.0, 0.02)] {
+        let speed = turns * TAU;
+        let mut world = PhysicsWorld::new();
+        let mut plugin = IstPlugin::install(&mut world);
+        let table = RigidBodyBuilder::kinematic_velocity_based().angvel(Vec3::Y * speed);
+        world.insert(table, ColliderBuilder::cylinder(0.05, 1.0).friction(1.0));
+        let body = RigidBodyBuilder::dynamic()
+            .translation(Vec3::new(radius, 0.112, 0.0))
+            .linvel(Vec3::NEG_Z * speed * radius)
+            .angvel(Vec3::Y * speed)
+            .can_sleep(false);
+        let (handle, _) = world.insert(body, cube.clone().into_collider().density(500.0).friction(1.0));
+        let mut from_axis = || {
+            for _ in 0..120 {
+                plugin.step(&mut world);
+            }
+            let place = world.bodies[handle].translation();
+            place.x.hypot(place.z)
+        };
+        let (early, late) = (from_axis(), from_axis());
+        println!("{turns} turns a second: {radius} m, {early:.4} m after 2 s, {late:.4} m after 4 s");
+    }
+}
+
+/// A box of 0.2 m without a lid, with walls of 1 cm, its floor's upper side at y = 0: as a tree and as cuboids.
+fn boxes() -> [(&'static str, ColliderBuilder); 2] {
+    let wall = |x: f64, z: f64| (DVec3::new(0.105 * x, 0.1, 0.105 * z), DVec3::new(if x == 0.0 { 0.1 } else { 0.005 }, 0.1, if z == 0.0 { 0.11 } else { 0.005 }));
+    let parts = [(DVec3::Y * -0.005, DVec3::new(0.11, 0.005, 0.11)), wall(1.0, 0.0), wall(-1.0, 0.0), wall(0.0, 1.0), wall(0.0, -1.0)];
+    let mut mesh = TriangleMesh::default();
+    for (center, half) in parts {
+        let part = shapes::cuboid(half);
+        let first = mesh.vertices.len() as u32;
+        mesh.vertices.extend(part.vertices.iter().map(|v| *v + center));
+        mesh.triangles.extend(part.triangles.iter().map(|t| t.map(|i| first + i)));
+    }
+    let cuboid = |(center, half): &(DVec3, DVec3)| {
+        let [x, y, z] = half.as_vec3().to_array();
+        (Pose::from_translation(center.as_vec3()), SharedShape::cuboid(x, y, z))
+    };
+    let cuboids = SharedShape::compound(parts.iter().map(cuboid).collect());
+    [("tree", packed(&mesh, 4000).into_collider()), ("cuboids", ColliderBuilder::new(cuboids))]
+}
+
+/// Marbles lay on the floor, touched the box there, and were not seen to meet its walls in the same step.
+#[test]
+fn issue_a_shaken_box_keeps_its_marbles() {
+    let marble = packed(&shapes::sphere(0.025, 2), 50);
+    for (name, container) in boxes() {
+        for frequency in [2.0, 3.0, 4.0, 5.0] {
+            let mut world = PhysicsWorld::new();
+            let mut plugin = IstPlugin::install(&mut world);
+            let hand = RigidBodyBuilder::kinematic_position_based();
+            let (hand, _) = world.insert(hand, container.clone().friction(0.3));
+            let marbles: Vec<_> = (0..8)
+                .map(|i| {
+                    let at = Vec3::new([-0.05, 0.02][i / 2 % 2], 0.03 + 0.055 * (i / 4) as f32, [-0.04, 0.04][i % 2]);
+                    let marble = marble.clone().into_collider().density(2500.0).friction(0.3);
+                    world.insert(RigidBodyBuilder::dynamic().translation(at), marble).0
+                })
+                .collect();
+            for step in 1..=480 {
+                let angle = TAU * frequency * step as f32 / 60.0;
+                let place = Vec3::new(0.05 * angle.sin(), 0.0, 0.02 * (0.7 * angle).sin());
+                world.bodies[hand].set_next_kinematic_translation(place);
+                plugin.step(&mut world);
+            }
+            let place = world.bodies[hand].translation();
+            let lost = marbles.iter().filter(|marble| {
+                let at = world.bodies[**marble].translation() - place;
+                at.y < 0.0 || at.y < 0.2 && at.x.abs().max(at.z.abs()) > 0.1
+            });
+            println!("{name}, {frequency} Hz: lost {}", lost.count());
+        }
+    }
+}
