@@ -9,10 +9,6 @@ use super::plane::{TrianglePlane, clip};
 use glam::{DVec2, DVec3};
 use robust::{Coord3D, orient3d};
 
-/// A corner nearer to a plane than this share of the size of the mesh lies on it. Rotating a mesh moves its
-/// corners by 1e-16 of their coordinates: faces that were flush remain so, even ten thousand sizes from the origin.
-const ON_PLANE: f64 = 1e-11;
-
 /// Segments in the coordinates of one triangle's plane.
 pub(super) type Cuts = Vec<[DVec2; 2]>;
 
@@ -35,13 +31,14 @@ pub(super) enum Kind {
     Cover,
 }
 
-/// How triangles `a` and `b` of a mesh of the given size meet, if more than border points are common.
-pub(super) fn contact(a: &[DVec3; 3], b: &[DVec3; 3], size: f64) -> Option<Contact> {
-    let sides_of_b = sides(b, a, size);
+/// How triangles `a` and `b` meet, if more than border points are common. A corner that is nearer to a plane than `on_plane` (m)
+/// lies on it.
+pub(super) fn contact(a: &[DVec3; 3], b: &[DVec3; 3], on_plane: f64) -> Option<Contact> {
+    let sides_of_b = sides(b, a, on_plane);
     if sides_of_b.iter().all(|side| *side > 0.0) || sides_of_b.iter().all(|side| *side < 0.0) {
         return None;
     }
-    let sides_of_a = sides(a, b, size);
+    let sides_of_a = sides(a, b, on_plane);
     if sides_of_a.iter().all(|side| *side > 0.0) || sides_of_a.iter().all(|side| *side < 0.0) {
         return None;
     }
@@ -68,7 +65,7 @@ pub(super) fn contact(a: &[DVec3; 3], b: &[DVec3; 3], size: f64) -> Option<Conta
 
 /// Signed distances of the corners of `triangle` from the plane of `of`, all multiplied by the same number; zero
 /// for those on it.
-fn sides(triangle: &[DVec3; 3], of: &[DVec3; 3], size: f64) -> [f64; 3] {
+fn sides(triangle: &[DVec3; 3], of: &[DVec3; 3], on_plane: f64) -> [f64; 3] {
     let [a, b, c] = of.map(coordinates);
     let doubled_area = (of[1] - of[0]).cross(of[2] - of[0]).length();
     triangle.map(|corner| {
@@ -77,7 +74,7 @@ fn sides(triangle: &[DVec3; 3], of: &[DVec3; 3], size: f64) -> [f64; 3] {
             return 0.0;
         }
         let side = orient3d(a, b, c, coordinates(corner));
-        if side.abs() <= ON_PLANE * size * doubled_area { 0.0 } else { side }
+        if side.abs() <= on_plane * doubled_area { 0.0 } else { side }
     })
 }
 

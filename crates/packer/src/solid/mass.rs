@@ -25,3 +25,21 @@ pub(super) fn properties(corners: impl Iterator<Item = [DVec3; 3]>, origin: DVec
     let unit_inertia = DMat3::from_diagonal(DVec3::splat(trace)) - covariance;
     SolidProperties { volume, centroid: centroid + origin, unit_inertia }
 }
+
+/// How far `triangles` are from a closed surface: 0 for one, up to about 1.
+///
+/// The area vectors of a closed surface add up to zero, and the fluxes of x, y and z along their axes are its volume each. The second
+/// tells of holes that face each other, of which the first knows nothing.
+pub(super) fn openness(triangles: &[[DVec3; 3]], origin: DVec3) -> f64 {
+    let (mut area, mut sum, mut volumes, mut reach) = (0.0, DVec3::ZERO, DVec3::ZERO, f64::MIN_POSITIVE);
+    for [a, b, c] in triangles {
+        let normal = 0.5 * (*b - *a).cross(*c - *a);
+        let middle = (*a + *b + *c) / 3.0 - origin;
+        area += normal.length();
+        sum += normal;
+        volumes += middle * normal;
+        reach = middle.abs().max_element().max(reach);
+    }
+    let spread = volumes.max_element() - volumes.min_element();
+    if area > 0.0 { (sum.length() + spread / reach) / area } else { 0.0 }
+}

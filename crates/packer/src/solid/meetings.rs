@@ -22,11 +22,12 @@ pub(super) struct Meeting {
     pub(super) contact: Contact,
 }
 
-/// All meetings in the order of their triangles, or at least [`MOST`] of them. Each triangle asks the tree for
-/// those near it: O(n log n) for n triangles if each is near a bounded number of others.
-pub(super) fn find(mesh: &TriangleMesh, bvh: &Bvh) -> Vec<Meeting> {
+/// All meetings in the order of their triangles, or at least [`MOST`] of them. A corner nearer to a plane than the share `on_plane` of
+/// the size of the mesh lies on it. Each triangle asks the tree for those near it: O(n log n) for n triangles if each is near a
+/// bounded number of others.
+pub(super) fn find(mesh: &TriangleMesh, bvh: &Bvh, on_plane: f64) -> Vec<Meeting> {
     let (lower, upper) = mesh.bounds();
-    let size = lower.distance(upper);
+    let on_plane = on_plane * lower.distance(upper);
     let found = AtomicUsize::new(0);
     (0..mesh.triangles.len())
         .into_par_iter()
@@ -35,9 +36,9 @@ pub(super) fn find(mesh: &TriangleMesh, bvh: &Bvh) -> Vec<Meeting> {
             let mut meetings = Vec::new();
             if found.load(Ordering::Relaxed) < MOST {
                 let corners = mesh.corners(first);
-                bvh.for_each_near(&corners, |second, others| {
+                bvh.for_each_near(&corners, on_plane, |second, others| {
                     if second as usize > first
-                        && let Some(contact) = contact(&corners, others, size)
+                        && let Some(contact) = contact(&corners, others, on_plane)
                     {
                         meetings.push(Meeting { first: first as u32, second, contact });
                     }

@@ -4,9 +4,16 @@ use super::{Bounds, Bvh, Leaf, WIDTH, Wide};
 use glam::{DVec3, Vec3, Vec4};
 
 impl Bvh {
-    /// Calls `visit` with the index and the corners of every triangle whose bounding box meets that of `corners`.
-    pub(crate) fn for_each_near(&self, corners: &[DVec3; 3], mut visit: impl FnMut(u32, &[DVec3; 3])) {
-        let bounds = Leaf { corners: *corners, index: 0 }.bounds();
+    /// Calls `visit` with the index and the corners of every triangle whose bounding box is `within` (m) or less of that of
+    /// `corners`, along each axis.
+    pub(crate) fn for_each_near(
+        &self,
+        corners: &[DVec3; 3],
+        within: f64,
+        mut visit: impl FnMut(u32, &[DVec3; 3]),
+    ) {
+        let Bounds { lower, upper } = Leaf { corners: *corners, index: 0 }.bounds();
+        let bounds = Bounds { lower: lower - within, upper: upper + within };
         let local = self.frame.enclose(&bounds);
         let mut open = vec![0];
         while let Some(index) = open.pop() {
