@@ -105,3 +105,35 @@ fn target(body: &RigidBody) -> Screw {
         angular: (next.rotation * now.rotation.inverse()).to_scaled_axis().as_dvec3(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn displacement() -> impl Strategy<Value = Displacement> {
+        let vector = || prop::array::uniform3(-1.0_f64..1.0).prop_map(DVec3::from_array);
+        (vector(), vector(), vector())
+            .prop_map(|(center, linear, angular)| Displacement::new(center, Screw { linear, angular }))
+    }
+
+    proptest! {
+        #[test]
+        fn no_point_moves_farther_than_its_reach(
+            a in displacement(), b in displacement(), radius in 0.0_f32..2.0, to in prop::array::uniform3(-1.0_f64..1.0),
+        ) {
+            let point = a.center + DVec3::from_array(to).clamp_length_max(1.0) * f64::from(radius);
+            let way = (a.at(point) - b.at(point)).length();
+            prop_assert!(way <= a.reach(&b, radius) * (1.0 + 1e-12), "{way}");
+        }
+    }
+
+    /// What lies in a drum that turns was taken for fast.
+    #[test]
+    fn what_moves_as_one_does_not_move() {
+        let table = Displacement::new(DVec3::ZERO, Screw { linear: DVec3::X, angular: DVec3::Y });
+        let center = DVec3::new(3.0, 0.5, -1.0);
+        let load = Displacement::new(center, Screw { linear: table.at(center), ..table.screw });
+        assert_eq!(load.reach(&table, 2.0), 0.0);
+    }
+}

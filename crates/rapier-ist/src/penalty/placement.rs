@@ -40,7 +40,7 @@ impl Placement {
         let way = way(states, to_contact);
         let origin = moment / volume.max(f64::MIN_POSITIVE) - way;
         let behind = (all != to_contact).then(|| [all[0] - to_contact[0], all[1] - to_contact[1]]);
-        Self { origin, way, to_contact, behind, turning: turning(states, all) }
+        Self { origin, way, to_contact, behind, turning: turning(all, self::way(states, all)) }
     }
 
     /// From [`Self::origin`] to where `point` of the contact acts.
@@ -95,8 +95,7 @@ fn way(states: [&SolverBody; 2], displacements: [Displacement; 2]) -> DVec3 {
 /// `(θ_a × (w − w_a) − θ_b × (w − w_b)) / 2`
 ///
 /// with the rotation vectors θ, the ways of the centres of mass and that of the contact, w.
-fn turning(states: [&SolverBody; 2], displacements: [Displacement; 2]) -> DVec3 {
-    let way = way(states, displacements);
+fn turning(displacements: [Displacement; 2], way: DVec3) -> DVec3 {
     let [a, b] = displacements.map(|body| body.rotation().cross(way - body.translation()));
     0.5 * (a - b)
 }
@@ -104,10 +103,31 @@ fn turning(states: [&SolverBody; 2], displacements: [Displacement; 2]) -> DVec3 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rapier3d::glamx::Vec3;
+    use crate::penalty::Screw;
+    use rapier3d::glamx::{DQuat, Vec3};
 
     fn sample(normal: Vec3, outward: Vec3) -> ContactSample {
         ContactSample { point: Vec3::ZERO, normal, volume: 1.0, vector_area: normal, outward }
+    }
+
+    #[test]
+    fn bodies_that_turn_as_one_part_by_what_is_told() {
+        let (centers, axis) =
+            ([DVec3::new(0.3, -1.0, 0.2), DVec3::new(-0.4, 0.5, 2.0)], DVec3::new(0.6, 0.0, 0.8));
+        for angle in [0.01, 0.1] {
+            let chord = |c: DVec3| DQuat::from_axis_angle(axis, angle) * c - c;
+            let moved =
+                centers.map(|c| Displacement::new(c, Screw { linear: chord(c), angular: axis * angle }));
+            let place = DVec3::new(0.1, 0.7, -0.3);
+            let parted = moved[1].at(place) - moved[0].at(place);
+            for way in [DVec3::ZERO, moved[0].translation(), DVec3::splat(0.05)] {
+                let error = (parted - turning(moved, way)).length();
+                assert!(
+                    error < angle.powi(3) && parted.length() > angle * angle / 2.0,
+                    "{error} of {parted}"
+                );
+            }
+        }
     }
 
     #[test]
