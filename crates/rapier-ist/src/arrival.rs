@@ -24,7 +24,10 @@ const TOLERANCE: f64 = 0.05;
 /// What a pair goes in by in the rest of its way, in parts of the thickness, from which on a further contact counts. Not tuned.
 const DEEP: f64 = 0.5;
 
-/// Cosine (of 60°) of the angle between normals from which on they belong to different contacts. Not tuned.
+/// Cosine (of 49°) of the angle between normals from which on they belong to different contacts.
+///
+/// Cups of 0.2 m with walls of 1 and 2 cm and one, three or ten marbles of 5 cm are shaken by 5 cm at 4, 5 and 6 Hz, ten seconds each. Of
+/// the 84 marbles 58 get out if further contacts are not looked for, 28 with 0.5, 19 with 0.65, 21 with 0.8.
 const OTHER_WAY: f32 = 0.65;
 
 /// Most poses along the way at which an overlap is measured.

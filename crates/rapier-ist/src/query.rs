@@ -55,13 +55,16 @@ fn contact(colliders: &ColliderSet, candidate: &mut Candidate) -> Option<Contact
         let poses = [0, 1].map(|i| displacements[i].apply(&candidate.poses[i]));
         let mut samples = Vec::new();
         clearance = measure((&solids, shapes), &poses, &mut samples);
-        let first = found.as_ref().map(|first| &first.samples[..]);
-        let is_another = first.is_some_and(|first| has_another(shapes, candidate, share, [first, &samples]));
-        if is_another || found.is_none() && !samples.is_empty() {
+        let is_later = found.is_some();
+        let is_wanted = match &found {
+            Some(first) => has_another(shapes, candidate, share, [&first.samples, &samples]),
+            None => !samples.is_empty(),
+        };
+        if is_wanted {
             found = Some(Contact { candidate: *candidate, displacements, samples });
-        }
-        if is_another {
-            break;
+            if is_later {
+                break;
+            }
         }
     }
     if found.is_none() {

@@ -32,7 +32,9 @@ const STALE: f64 = 0.25;
 /// of gears are as far from their goals as with it.
 const STALE_GAP: f64 = 1e-3;
 
-/// Share of the forces of a pair from which on a patch has to be there in a new measurement. Not tuned.
+/// Share of the forces of a pair from which on a patch has to be there in a new measurement.
+///
+/// Of 40 marbles in cups that are shaken at 3 to 6 Hz 25 get out without that, 7 with 0.3, 13 with 0.1: the last two differ by chance.
 const NOTICEABLE: f64 = 0.1;
 
 /// Cosine (of 60°) of the angle up to which a sample of it pushes as the patch did. Not tuned.
