@@ -121,7 +121,8 @@ fn collect(
     for (touches, link) in touches.iter_mut().zip(&bodies.links) {
         *touches |= link.is_some_and(|link| touched.contains(&link.multibody));
     }
-    for Solved { pair, contacts: solved, twist, relative_velocity } in solved {
+    for Solved { pair, contacts: solved, twist, mut relative_velocity } in solved {
+        relative_velocity.linear += solved.turning;
         let (origin, wrench) = (solved.origin, solved.wrench(twist));
         let mut of_patches = solved.patches.iter().flat_map(|patch| {
             [patch.wrench(twist).wrench_from(-patch.arm), relative_velocity.twist_at(patch.arm)]

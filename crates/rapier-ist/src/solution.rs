@@ -8,6 +8,7 @@ use crate::lookahead::Displacement;
 use crate::memory::{Memory, PairMemory};
 use crate::penalty::{Island, JointForces, Material, Members, PairContacts, Screw, SolverBody, islands};
 use crate::query::Contact;
+use rapier3d::glamx::DVec3;
 
 /// The pairs after a solve, and the velocities of the bodies that it found.
 pub(crate) struct Solution {
@@ -217,11 +218,11 @@ pub(crate) struct Solved {
 impl Solved {
     /// Whether all that pushes noticeably still overlaps in `next`, the contact measured anew.
     pub(crate) fn still_pushes(&self, next: &Contact) -> bool {
-        let forces = self.contacts.patches.iter().map(|patch| patch.wrench(self.twist).linear);
-        let sum: f64 = forces.clone().map(|force| force.length()).sum();
-        forces.filter(|force| force.length() > NOTICEABLE * sum).all(|force| {
-            next.samples.iter().any(|s| s.normal.as_dvec3().dot(force) > SAME_WAY * force.length())
-        })
+        let sum: f64 = self.contacts.pushes().map(DVec3::length).sum();
+        self.contacts
+            .pushes()
+            .filter(|push| push.length() > NOTICEABLE * sum)
+            .all(|push| next.samples.iter().any(|s| s.normal.as_dvec3().dot(push) > SAME_WAY * push.length()))
     }
 
     fn should_rebound(&self) -> bool {

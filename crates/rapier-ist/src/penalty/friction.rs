@@ -14,7 +14,8 @@ pub(super) struct Friction {
 }
 
 impl Friction {
-    /// That of `material`, of which the pair has the share `grip`.
+    /// That of `material`, of which the pair has the share `grip`, between bodies that seem to part by `turning` (m/s) where they turn
+    /// as one.
     pub(super) fn new(material: &Material, grip: f64, turning: DVec3) -> Self {
         let Material { friction, creep_speed, tangent_velocity, .. } = *material;
         Self { coefficient: friction * grip, creep_speed, tangent_velocity: tangent_velocity + turning }

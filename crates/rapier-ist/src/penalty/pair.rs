@@ -40,7 +40,7 @@ pub(crate) struct PairContacts {
     /// Impulse of the rebound on b about [`Self::origin`], in this step.
     rebound: Option<Rebound>,
     /// What bodies that turn as one seem to part by at the end of the step (m/s).
-    turning: DVec3,
+    pub(crate) turning: DVec3,
     dt: f64,
     /// What the pair has carried before the step (N).
     carried: f64,
@@ -235,6 +235,14 @@ impl PairContacts {
             && self.impact.stiff
             && self.samples.iter().any(|s| s.force > 0.0)
             && rebounds()
+    }
+
+    /// What each patch pushes the second body with, besides friction (N).
+    pub(crate) fn pushes(&self) -> impl Iterator<Item = DVec3> {
+        let mut samples = self.samples.iter();
+        self.patches
+            .iter()
+            .map(move |patch| samples.by_ref().take(patch.count).map(|s| s.normal * s.force).sum())
     }
 
     /// How far from the poses at which it was measured the contact is after a step at the relative twist `twist`, in units of

@@ -88,8 +88,8 @@ fn way(states: [&SolverBody; 2], displacements: [Displacement; 2]) -> DVec3 {
 ///
 /// Bodies go a step along the chords of their ways, and a contact is taken to be where it is before the step. With the places c of
 /// the centres of mass, the angular velocity ω and the time step h that is `h² ω × (ω × (c_b − c_a)) / 2`; before the step, at the
-/// velocities of the last chords, it is as much the other way. In a drum it is half of what gravity does in a step, or more, and
-/// without it friction throws off what turns with a table. Each body sees the contact go by other ways than its own, and turns the
+/// velocities of the last chords, it is as much the other way. In a drum that presses on what is in it with its weight that is half of what
+/// gravity moves a body by in a step. Each body sees the contact go by other ways than its own, and turns the
 /// surface there:
 ///
 /// `(θ_a × (w − w_a) − θ_b × (w − w_b)) / 2`
