@@ -30,6 +30,10 @@ const DEEP: f64 = 0.5;
 /// the 84 marbles 58 get out if further contacts are not looked for, 28 with 0.5, 19 with 0.65, 21 with 0.8.
 const OTHER_WAY: f32 = 0.65;
 
+/// What is held by another is smaller than this many times it. A choice: among bodies of about one size, as in heaps, second contacts are
+/// not looked for.
+const HELD: Real = 0.5;
+
 /// Most poses along the way at which an overlap is measured.
 const MOST_PROBES: usize = 16;
 
@@ -53,6 +57,16 @@ pub(crate) fn shares(
     let share = move |index: usize| (first + index as f64 * stride).min(last);
     let count = ((last - first) / stride).ceil().max(0.0) as usize + usize::from(last > 0.0);
     (0..count.min(MOST_PROBES + 1)).map(share)
+}
+
+/// Whether one of the shapes may hold the other, which can then touch it in two places that have nothing to do with each other.
+pub(crate) fn may_hold(shapes: [&dyn Shape; 2]) -> bool {
+    let [a, b] = shapes.map(|shape| shape.compute_local_bounding_sphere().radius);
+    let (larger, share) = if a > b { (shapes[0], b / a) } else { (shapes[1], a / b) };
+    let is_hollow = larger.as_shape::<IstShape>().is_some()
+        || larger.as_composite_shape().is_some()
+        || larger.as_heightfield().is_some();
+    is_hollow && share < HELD
 }
 
 /// Whether `next`, measured at the `share` of the candidate's displacements, has a contact that `first` has not, and into which the

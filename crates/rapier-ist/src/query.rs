@@ -1,6 +1,6 @@
 //! Contact samples of all candidate pairs, in the world frame.
 
-use crate::arrival::{has_another, shares};
+use crate::arrival::{has_another, may_hold, shares};
 use crate::candidates::Candidate;
 use crate::containment::agree_on_direction;
 use crate::dispatcher::with_workspace;
@@ -10,6 +10,11 @@ use ist::{ContactSample, InnerSphereTree};
 use rapier3d::geometry::ColliderSet;
 use rapier3d::math::{Pose, Real};
 use rapier3d::parry::shape::Shape;
+
+/// Poses along the way that are left out between two at which a second contact is looked for: these are half a thickness apart then, and
+/// a wall is two thick. With three left out bodies get out of drums that turn. The slowest 5 % of the pile's steps take 15.7, 14.5
+/// and 17.7 ms or more (seeds 1 to 3), 16.1, 16.2 and 18.8 with none left out, 12.4, 13.8 and 17.0 without second contacts.
+const SKIPPED: usize = 1;
 
 /// A candidate that does overlap.
 #[derive(Clone, Debug)]
@@ -50,7 +55,13 @@ fn contact(colliders: &ColliderSet, candidate: &mut Candidate) -> Option<Contact
     let solids = shapes.map(|shape| with_skin(shape.as_shape::<IstShape>()?.tree()));
     let mut found: Option<Contact> = None;
     let mut clearance = 0.0;
+    let mut skipped = 0;
     for share in shares(shapes, candidate, skin) {
+        if found.is_some() && skipped < SKIPPED && share < 1.0 {
+            skipped += 1;
+            continue;
+        }
+        skipped = 0;
         let displacements = candidate.displacements.map(|displacement| displacement.part(share));
         let poses = [0, 1].map(|i| displacements[i].apply(&candidate.poses[i]));
         let mut samples = Vec::new();
@@ -62,7 +73,7 @@ fn contact(colliders: &ColliderSet, candidate: &mut Candidate) -> Option<Contact
         };
         if is_wanted {
             found = Some(Contact { candidate: *candidate, displacements, samples });
-            if is_later {
+            if is_later || !may_hold(shapes) {
                 break;
             }
         }
