@@ -145,8 +145,8 @@ fn open_box() -> ColliderBuilder {
 }
 
 /// Marbles that lay on the floor touched the box there, and were not seen to meet its walls in the same step. Of eight, four and seven
-/// got out. The walls move by up to 2 cm in a step, and marbles that lie in them at its end may still be pushed out on the other side:
-/// of eight times eight that begin a little elsewhere two and nine.
+/// got out at 3 and 4 Hz. The walls move by up to 2 cm in a step, and a marble that lies in one at its end may still be pushed out on the
+/// other side.
 #[test]
 fn issue_a_shaken_box_keeps_most_of_its_marbles() {
     let (container, marble) = (open_box(), packed(&shapes::sphere(0.025, 2), 50));
