@@ -1,7 +1,8 @@
 //! Where on its way a fast pair is measured.
 //!
 //! Deep inside an overlap one can no longer tell on which side a body came in, and how much the volume shrinks on the way
-//! back. A pair that moves far is therefore measured a little after it first touches.
+//! back. A pair that moves far is therefore measured a little after it first touches. Where one shape may hold the other it is the
+//! second contact that counts, if the pair goes deep into that: what slides over a floor is stopped by the wall.
 
 use crate::IstShape;
 use crate::candidates::Candidate;
