@@ -17,6 +17,7 @@ mod sliding;
 mod slope;
 mod soak;
 mod stack;
+mod supports;
 mod turning;
 
 use glam::{DVec3, Vec3};

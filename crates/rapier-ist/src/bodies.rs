@@ -5,7 +5,8 @@ use crate::candidates::Candidate;
 use crate::joint_rows::joint_forces;
 use crate::joints::{Joint, can_move, joints_of};
 use crate::penalty::{JointForces, SolverBody};
-use rapier3d::dynamics::{MultibodyLinkId, RigidBody, RigidBodyHandle};
+use crate::supports::supports;
+use rapier3d::dynamics::{ImpulseJointHandle, MultibodyLinkId, RigidBody, RigidBodyHandle};
 use rapier3d::geometry::Collider;
 use std::cmp::Ordering;
 
@@ -17,8 +18,16 @@ pub(crate) struct Bodies {
     pub(crate) states: Vec<SolverBody>,
     /// The multibody of which a body is a link, and the number of the link.
     pub(crate) links: Vec<Option<MultibodyLinkId>>,
-    /// Joints between bodies of the given indices.
-    pub(crate) joints: Vec<([usize; 2], JointForces)>,
+    /// Their joints, and where Rapier's own contacts support them.
+    pub(crate) joints: Vec<SolverJoint>,
+}
+
+/// A joint between two bodies, as the solve sees it.
+pub(crate) struct SolverJoint {
+    pub(crate) bodies: [usize; 2],
+    pub(crate) forces: JointForces,
+    /// Where it is an impulse joint.
+    pub(crate) impulse: Option<ImpulseJointHandle>,
 }
 
 impl Bodies {
@@ -50,10 +59,17 @@ impl Bodies {
             let indices = joint.bodies.map(|handle| bodies.index(Some(handle)));
             let poses = joint.bodies.map(|handle| world.bodies[handle].position());
             let states = indices.map(|index| &bodies.states[index]);
-            Some((indices, joint_forces(states, poses, joint, world.integration_parameters)?))
+            let forces = joint_forces(states, poses, joint, world.integration_parameters)?;
+            Some(SolverJoint { bodies: indices, forces, impulse: joint.impulse })
         };
         bodies.joints = joints.iter().filter_map(forces).collect();
+        bodies.joints.extend(supports(world, &bodies));
         bodies
+    }
+
+    /// Indices of two bodies, that of the world for none, of which the ones that dominate the other do not give way to it.
+    pub(crate) fn indices(&self, handles: [Option<RigidBodyHandle>; 2], dominates: [bool; 2]) -> [usize; 2] {
+        [0, 1].map(|i| self.index(handles[i]) + if dominates[i] { self.handles.len() } else { 0 })
     }
 
     /// Index of a body; that of the world for none.

@@ -4,6 +4,7 @@
 //! detection: a pair that begins to overlap now is pushed now.
 
 use crate::WorldParts;
+use crate::drives::Drives;
 use crate::hooks::{is_filtered_by_user, is_solid};
 use crate::lookahead::Displacement;
 use rapier3d::dynamics::{RigidBody, RigidBodyHandle, RigidBodyType};
@@ -31,6 +32,10 @@ pub(crate) struct Candidate {
     pub(crate) clearance: Real,
     /// Whether they can meet only where something else pushes one of them: not measured until it does.
     pub(crate) is_distant: bool,
+    /// Whether a motor or the user drives one of them.
+    pub(crate) is_driven: bool,
+    /// Whether they were apart where they were last measured in this step.
+    pub(crate) was_apart: bool,
 }
 
 /// All pairs whose boxes overlap, or would if what else overlaps one of them pushed it as far as it can, and which Rapier would let
@@ -39,8 +44,12 @@ pub(crate) fn candidates(world: &WorldParts<'_>, hooks: &dyn PhysicsHooks) -> Ve
     let colliders = Colliders::new(world);
     let filter = Filter { world, hooks };
     let mut pairs = Vec::new();
+    let driven = colliders.driven(world);
     colliders.add_near(&filter, &mut pairs);
-    colliders.add_distant(&filter, &mut pairs);
+    colliders.add_distant(&filter, &driven, &mut pairs);
+    for pair in &mut pairs {
+        pair.is_driven = pair.colliders.iter().any(|collider| driven.contains_key(collider));
+    }
     pairs.sort_unstable_by_key(|pair| pair.colliders.map(ColliderHandle::into_raw_parts));
     pairs.dedup_by_key(|pair| pair.colliders);
     pairs
@@ -93,9 +102,27 @@ impl<'a> Colliders<'a> {
         }
     }
 
-    /// Pairs that one of `pairs` may push into each other; some twice.
-    fn add_distant(&self, filter: &Filter<'_>, pairs: &mut Vec<Candidate>) {
-        let pushes = pushes(pairs);
+    /// How far (m) motors and the user may move colliders in the step beyond their own ways. What is slow is left out.
+    fn driven(&self, world: &WorldParts<'_>) -> HashMap<ColliderHandle, Real> {
+        let drives = Drives::new(world);
+        let way = |near: &Near<'_>| {
+            let way = drives.way(near.collider.parent()?, &near.bounds);
+            (way > 0.0 && way > SLOW * longest_side(near.collider.shape())).then_some((near.handle, way))
+        };
+        self.solids.iter().chain(&self.others).filter_map(way).collect()
+    }
+
+    /// Pairs that one of `pairs` may push into each other, or that something drives there; some twice.
+    fn add_distant(
+        &self,
+        filter: &Filter<'_>,
+        driven: &HashMap<ColliderHandle, Real>,
+        pairs: &mut Vec<Candidate>,
+    ) {
+        let mut pushes = pushes(pairs);
+        for (collider, way) in driven {
+            *pushes.entry(*collider).or_insert(0.0) += way;
+        }
         let Some(most) = pushes.values().copied().reduce(Real::max) else { return };
         let way = |near: &Near<'_>| pushes.get(&near.handle).copied();
         for (index, solid) in self.solids.iter().enumerate() {
@@ -174,6 +201,8 @@ impl Filter<'_> {
                 touched: false,
                 clearance,
                 is_distant: clearance > 0.0,
+                is_driven: false,
+                was_apart: false,
             });
         }
     }

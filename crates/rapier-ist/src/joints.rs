@@ -2,7 +2,7 @@
 
 use crate::WorldParts;
 use crate::links::Link;
-use rapier3d::dynamics::{GenericJoint, RigidBody, RigidBodyHandle};
+use rapier3d::dynamics::{GenericJoint, ImpulseJointHandle, RigidBody, RigidBodyHandle};
 use std::collections::{BTreeMap, HashSet};
 
 /// An enabled joint and its bodies.
@@ -11,6 +11,8 @@ pub(crate) struct Joint<'a> {
     pub(crate) data: &'a GenericJoint,
     /// Where it is one of a multibody.
     pub(crate) link: Option<Link<'a>>,
+    /// Where it is not.
+    pub(crate) impulse: Option<ImpulseJointHandle>,
 }
 
 /// Kind and number of a joint: the order in which the solve takes them.
@@ -44,18 +46,20 @@ pub(crate) fn can_move(body: &RigidBody) -> bool {
     body.is_dynamic() && !body.is_sleeping() && body.is_enabled()
 }
 
-fn joints_at<'a>(
+/// All enabled joints of a body.
+pub(crate) fn joints_at<'a>(
     world: &'a WorldParts<'_>,
     body: RigidBodyHandle,
 ) -> impl Iterator<Item = (JointKey, Joint<'a>)> {
     let impulse = world.impulse_joints.attached_enabled_joints(body).map(|(a, b, handle, joint)| {
-        ((false, handle.0.into_raw_parts()), Joint { bodies: [a, b], data: &joint.data, link: None })
+        let joint = Joint { bodies: [a, b], data: &joint.data, link: None, impulse: Some(handle) };
+        ((false, handle.0.into_raw_parts()), joint)
     });
     let links = world.multibody_joints.attached_joints(body).filter_map(|(a, b, handle)| {
         let (multibody, id) = world.multibody_joints.get(handle)?;
         let link = Link { multibody, link: multibody.link(id)? };
         let data = &link.link.joint().data;
-        let joint = Joint { bodies: [a, b], data, link: Some(link) };
+        let joint = Joint { bodies: [a, b], data, link: Some(link), impulse: None };
         data.is_enabled().then_some(((true, handle.0.into_raw_parts()), joint))
     });
     impulse.chain(links)

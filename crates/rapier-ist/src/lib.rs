@@ -106,6 +106,7 @@ mod containment;
 #[cfg(feature = "debug-render")]
 pub mod debug_render;
 mod dispatcher;
+mod drives;
 mod force_events;
 #[cfg(feature = "packer")]
 mod from_mesh;
@@ -136,6 +137,7 @@ mod shape;
 pub mod snapshot;
 mod solution;
 mod stiffness;
+mod supports;
 mod touching;
 mod triangle_tree;
 mod user_forces;

@@ -10,7 +10,7 @@ use crate::mesh_trees::NearbyMeshes;
 use crate::response::respond;
 use crate::stiffness::StiffnessTable;
 use crate::touching::Touching;
-use crate::user_forces::{BodyForce, UserForces};
+use crate::user_forces::{Pushes, UserForces};
 use crate::{
     ContactModel, IstDispatcher, IstShape, Remembered, StepReport, StiffnessContext, VolumePenalty,
     WorldParts,
@@ -233,8 +233,11 @@ impl IstPlugin {
             return;
         };
         switch_filters_on(world);
-        let forces =
-            if has_length(world) { self.respond(world, hooks, &penalty.in_range()) } else { Vec::new() };
+        let forces = if has_length(world) {
+            self.respond(world, hooks, &penalty.in_range())
+        } else {
+            Pushes::default()
+        };
         let user_forces = UserForces::suspend(world, forces);
         world.step(&PenaltyHooks { user: hooks }, events);
         user_forces.restore(world);
@@ -246,7 +249,7 @@ impl IstPlugin {
         world: &mut WorldParts<'_>,
         hooks: &dyn PhysicsHooks,
         penalty: &VolumePenalty,
-    ) -> Vec<BodyForce> {
+    ) -> Pushes {
         let start = Instant::now();
         let candidates = candidates(world, hooks);
         self.report.candidates += candidates.len();

@@ -1,12 +1,14 @@
 //! One solve for all pairs of a step.
 
 use crate::WorldParts;
-use crate::bodies::Bodies;
+use crate::bodies::{Bodies, SolverJoint};
 use crate::candidates::Candidate;
 use crate::contact_law::{ContactLaw, material};
 use crate::lookahead::Displacement;
 use crate::memory::{Memory, PairMemory};
-use crate::penalty::{Island, JointForces, Material, Members, PairContacts, Screw, SolverBody, islands};
+use crate::penalty::{
+    Hinge, Island, JointForces, JointWrench, Material, Members, PairContacts, Screw, SolverBody, islands,
+};
 use crate::query::Contact;
 use rapier3d::glamx::DVec3;
 
@@ -19,8 +21,12 @@ pub(crate) struct Solution {
     /// The unknowns of all bodies, and whether they solve the systems of their islands.
     pub(crate) states: Vec<Screw>,
     pub(crate) is_solved: Vec<bool>,
-    /// What joints do to all bodies, each about its centre of mass.
-    pub(crate) joint_wrenches: Vec<Screw>,
+    /// What joints do to all bodies.
+    pub(crate) joint_wrenches: Vec<JointWrench>,
+    /// Which bodies touch something, or are connected by joints with what does.
+    pub(crate) touches: Vec<bool>,
+    /// The joints between these, by their index.
+    pub(crate) joints: Vec<(usize, JointForces)>,
 }
 
 /// A contact is measured again where it moved by more than this share of its depth from where it was measured. Not tuned.
@@ -95,6 +101,7 @@ impl Solution {
             };
             if far {
                 candidate.is_distant = false;
+                candidate.was_apart = found[index].is_none();
                 candidate.displacements = displacements;
                 stale.push(index);
             }
@@ -126,7 +133,8 @@ pub(crate) fn solve(
         contacts.iter().map(|contact| bodies.pair(world, &contact.candidate)).collect();
     let movable: Vec<bool> = bodies.states.iter().map(SolverBody::is_movable).collect();
     let [before, last] = start.memories;
-    let joints: Vec<[usize; 2]> = bodies.joints.iter().map(|(indices, _)| *indices).collect();
+    let hinge = |joint: &SolverJoint| Hinge { bodies: joint.bodies, is_driven: joint.forces.is_driven() };
+    let joints: Vec<Hinge> = bodies.joints.iter().map(hinge).collect();
     let islands = islands(&pairs, &joints, &movable);
     let most = most_loads(bodies, &islands, &pairs);
     let of = |index: usize, memory: &Memory| {
@@ -174,16 +182,21 @@ pub(crate) fn solve(
     let solved: Vec<_> = islands.into_iter().map(solve).collect();
     let mut states: Vec<Screw> = vec![Screw::ZERO; bodies.states.len()];
     let mut is_solved = vec![true; bodies.states.len()];
-    let mut joint_wrenches = vec![Screw::ZERO; bodies.states.len()];
+    let mut touches = vec![false; bodies.states.len()];
+    let mut joint_wrenches = vec![JointWrench::ZERO; bodies.states.len()];
     let mut all = Vec::with_capacity(pairs.len());
-    for (pairs, island) in solved {
+    let mut joints = Vec::new();
+    for SolvedIsland { pairs, bodies, joints: of_island } in solved {
+        joints.extend(of_island);
         all.extend(pairs);
-        for SolvedBody { body, state, is_solved: solved, joints } in island {
+        for SolvedBody { body, state, is_solved: solved, joints, touches: touching } in bodies {
             (states[body], is_solved[body], joint_wrenches[body]) = (state, solved, joints);
+            touches[body] = touching;
         }
     }
     all.sort_unstable_by_key(|solved| solved.pair);
-    Solution { pairs, solved: all, states, is_solved, joint_wrenches }
+    joints.sort_unstable_by_key(|(joint, _)| *joint);
+    Solution { pairs, solved: all, states, is_solved, joint_wrenches, touches, joints }
 }
 
 /// What each of `pairs` can be asked to carry at most (N): all that acts on the bodies of its island besides contacts.
@@ -193,8 +206,8 @@ fn most_loads(bodies: &Bodies, islands: &[Members], pairs: &[[usize; 2]]) -> Vec
         let used = bodies_of(bodies, members, pairs);
         let load: f64 = used.iter().map(|&body| bodies.states[body].external.linear.length()).sum();
         let drive = |&joint: &usize| {
-            let (indices, forces) = &bodies.joints[joint];
-            forces.drive(indices.map(|body| &bodies.states[body]))
+            let joint = &bodies.joints[joint];
+            joint.forces.drive(joint.bodies.map(|body| &bodies.states[body]))
         };
         let drive: f64 = members.joints.iter().map(drive).sum();
         for &pair in &members.pairs {
@@ -235,14 +248,22 @@ struct SolvedBody {
     body: usize,
     state: Screw,
     is_solved: bool,
-    /// What joints do to it, about its centre of mass.
-    joints: Screw,
+    joints: JointWrench,
+    /// Whether it touches something, or joints connect it with what does.
+    touches: bool,
+}
+
+struct SolvedIsland {
+    pairs: Vec<Solved>,
+    bodies: Vec<SolvedBody>,
+    /// With their indices; none where nothing touches.
+    joints: Vec<(usize, JointForces)>,
 }
 
 /// The bodies of an island, in order.
 fn bodies_of(bodies: &Bodies, members: &Members, pairs: &[[usize; 2]]) -> Vec<usize> {
     let of_pairs = members.pairs.iter().flat_map(|&pair| pairs[pair]);
-    let of_joints = members.joints.iter().flat_map(|&joint| bodies.joints[joint].0);
+    let of_joints = members.joints.iter().flat_map(|&joint| bodies.joints[joint].bodies);
     let mut used: Vec<usize> = of_pairs.chain(of_joints).collect();
     used.sort_unstable();
     used.dedup();
@@ -254,12 +275,12 @@ fn solve_island(
     (members, contacts): (Members, Vec<PairContacts>),
     pairs: &[[usize; 2]],
     dt: f64,
-) -> (Vec<Solved>, Vec<SolvedBody>) {
+) -> SolvedIsland {
     let used = bodies_of(bodies, &members, pairs);
     let local = |body: usize| used.binary_search(&body).unwrap_or(0);
     let joint = |&joint: &usize| {
-        let (indices, forces): &([usize; 2], JointForces) = &bodies.joints[joint];
-        (indices.map(local), forces.clone())
+        let joint: &SolverJoint = &bodies.joints[joint];
+        (joint.bodies.map(local), joint.forces.clone())
     };
     let mut island = Island::new(
         used.iter().map(|&body| bodies.states[body]).collect(),
@@ -269,15 +290,19 @@ fn solve_island(
     );
     island.solve(dt);
     let is_solved = island.is_solved();
-    let solved_body = |((i, &body), joints)| SolvedBody { body, state: island.state(i), is_solved, joints };
+    let touches = !members.pairs.is_empty();
+    let solved_body =
+        |((i, &body), joints)| SolvedBody { body, state: island.state(i), is_solved, joints, touches };
     let states = used.iter().enumerate().zip(island.joint_wrenches()).map(solved_body).collect();
     let twists = island.twists_before().into_iter().zip(island.final_twists());
-    let solved = members.pairs.into_iter().zip(island.into_contacts()).zip(twists);
+    let (contacts, joints) = island.into_forces();
+    let solved = members.pairs.into_iter().zip(contacts).zip(twists);
     let solved = solved.map(|((pair, contacts), (relative_velocity, twist))| Solved {
         pair,
         contacts,
         twist,
         relative_velocity,
     });
-    (solved.collect(), states)
+    let joints = members.joints.into_iter().zip(joints).filter(|_| touches);
+    SolvedIsland { pairs: solved.collect(), bodies: states, joints: joints.collect() }
 }

@@ -1,8 +1,10 @@
 //! Scenes, built once for examples, tests and benchmarks.
 
+mod assembly;
 mod bolt;
 mod floating;
 mod gears;
+mod hand;
 mod inside;
 mod model;
 mod part;
@@ -15,9 +17,11 @@ mod swing;
 mod turning;
 mod water;
 
+pub use assembly::Assembly;
 pub use bolt::Bolt;
 pub use floating::{Floating, Rest};
 pub use gears::Gears;
+pub use hand::Hand;
 pub use inside::Inside;
 pub use model::{Model, ShapeKind, single_precision};
 pub use part::Part;

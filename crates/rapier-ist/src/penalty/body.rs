@@ -96,6 +96,11 @@ impl SolverBody {
         half.dot(half)
     }
 
+    /// Its twist at a place of the world, before the step.
+    pub(crate) fn twist_at(&self, place: DVec3) -> Screw {
+        self.velocity.twist_at(place - self.center_of_mass)
+    }
+
     /// `L v`.
     pub(crate) fn root_times(&self, v: Screw) -> Screw {
         Screw { linear: self.root_linear * v.linear, angular: self.root_angular * v.angular }

@@ -7,29 +7,42 @@ pub(crate) struct Members {
     pub(crate) joints: Vec<usize>,
 }
 
-/// Groups `pairs` of body indices, and the `joints` between bodies, into islands: what shares a movable body is in one island. What
-/// hangs on no pair is in none.
+/// A joint between two bodies.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Hinge {
+    pub(crate) bodies: [usize; 2],
+    /// Whether it has motors.
+    pub(crate) is_driven: bool,
+}
+
+/// Groups `pairs` of body indices, and the `joints` between bodies, into islands: what shares a movable body is in one island. Where
+/// neither a pair nor a motor is, there is none.
 ///
-/// Islands come in the order of their first pair, pairs and joints in their own order, so the result depends on the input only.
-pub(crate) fn islands(pairs: &[[usize; 2]], joints: &[[usize; 2]], movable: &[bool]) -> Vec<Members> {
+/// Islands come in the order of their first pair, then in that of their first motor; pairs and joints in their own order, so the result
+/// depends on the input only.
+pub(crate) fn islands(pairs: &[[usize; 2]], joints: &[Hinge], movable: &[bool]) -> Vec<Members> {
     let mut parent: Vec<usize> = (0..movable.len()).collect();
-    for &[a, b] in pairs.iter().chain(joints).filter(|[a, b]| movable[*a] && movable[*b]) {
+    let joined = pairs.iter().copied().chain(joints.iter().map(|joint| joint.bodies));
+    for [a, b] in joined.filter(|[a, b]| movable[*a] && movable[*b]) {
         let (a, b) = (root(&mut parent, a), root(&mut parent, b));
         parent[a.max(b)] = a.min(b);
     }
     let mut island_of = vec![usize::MAX; movable.len()];
     let mut islands: Vec<Members> = Vec::new();
-    for (index, &[a, b]) in pairs.iter().enumerate() {
-        let body = root(&mut parent, if movable[a] { a } else { b });
+    let mut root_of = |[a, b]: [usize; 2]| root(&mut parent, if movable[a] { a } else { b });
+    let driven = joints.iter().filter(|joint| joint.is_driven);
+    for bodies in pairs.iter().copied().chain(driven.map(|joint| joint.bodies)) {
+        let body = root_of(bodies);
         if island_of[body] == usize::MAX {
             island_of[body] = islands.len();
             islands.push(Members::default());
         }
-        islands[island_of[body]].pairs.push(index);
     }
-    for (index, &[a, b]) in joints.iter().enumerate() {
-        let body = root(&mut parent, if movable[a] { a } else { b });
-        if let Some(island) = islands.get_mut(island_of[body]) {
+    for (index, bodies) in pairs.iter().enumerate() {
+        islands[island_of[root_of(*bodies)]].pairs.push(index);
+    }
+    for (index, joint) in joints.iter().enumerate() {
+        if let Some(island) = islands.get_mut(island_of[root_of(joint.bodies)]) {
             island.joints.push(index);
         }
     }
@@ -58,11 +71,18 @@ mod tests {
     }
 
     #[test]
-    fn joints_join_islands_and_make_none() {
+    fn joints_join_islands_and_make_some_where_they_are_driven() {
         let movable = [false, true, true, true, true, true];
-        let joints = [[0, 1], [1, 2], [0, 4], [4, 5]];
-        let expected =
-            [Members { pairs: vec![0, 1], joints: vec![0, 1] }, Members { pairs: vec![2], joints: vec![] }];
-        assert_eq!(islands(&[[0, 1], [2, 0], [3, 0]], &joints, &movable), expected);
+        let joints = |is_driven: bool| {
+            [[0, 1], [1, 2], [0, 4], [4, 5]]
+                .map(|bodies| Hinge { bodies, is_driven: is_driven && bodies[0] == 4 })
+        };
+        let members =
+            |pairs: &[usize], joints: &[usize]| Members { pairs: pairs.to_vec(), joints: joints.to_vec() };
+        let mut expected = vec![members(&[0, 1], &[0, 1]), members(&[2], &[])];
+        let pairs = [[0, 1], [2, 0], [3, 0]];
+        assert_eq!(islands(&pairs, &joints(false), &movable), expected);
+        expected.push(members(&[], &[2, 3]));
+        assert_eq!(islands(&pairs, &joints(true), &movable), expected);
     }
 }

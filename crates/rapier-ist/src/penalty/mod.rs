@@ -38,8 +38,8 @@ mod twist;
 
 pub(crate) use body::SolverBody;
 pub(crate) use impact::Impact;
-pub(crate) use island::{Members, islands};
-pub(crate) use joint::{JointForces, JointRow, compliance};
+pub(crate) use island::{Hinge, Members, islands};
+pub(crate) use joint::{JointForces, JointRow, JointWrench, RowKind, compliance};
 pub(crate) use material::Material;
 pub(crate) use pair::PairContacts;
 pub(crate) use system::Island;

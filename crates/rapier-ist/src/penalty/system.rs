@@ -8,7 +8,7 @@ use super::block::Block;
 use super::block_matrix::BlockMatrix;
 use super::body::SolverBody;
 use super::conjugate_gradients::{conjugate_gradients, dot};
-use super::joint::JointForces;
+use super::joint::{JointForces, JointWrench};
 use super::pair::PairContacts;
 use super::twist::{Screw, Symmetric6, cross_matrix};
 use rapier3d::glamx::{DMat3, DVec3};
@@ -51,18 +51,18 @@ pub(crate) struct Island {
 struct Link {
     /// Indices of the bodies.
     bodies: [usize; 2],
-    /// From the bodies' centres of mass to the origin of the pair or joint.
+    /// From the bodies' centres of mass to the origin of the pair, or to where the joint acts on them.
     arms: [DVec3; 2],
 }
 
 impl Link {
-    /// Velocity of the second body relative to the first at the pair's origin.
+    /// Velocity of the second body relative to the first where they are linked.
     fn relative_twist(&self, twists: &[Screw]) -> Screw {
         let ([a, b], [arm_a, arm_b]) = (self.bodies, self.arms);
         twists[b].twist_at(arm_b) - twists[a].twist_at(arm_a)
     }
 
-    /// Adds a wrench on the second body about the origin, and the opposite one on the first, to `sums` about their centres of mass.
+    /// Adds a wrench on the second body, and the opposite one on the first, both about where they are linked, to `sums` about their centres of mass.
     fn add(&self, wrench: Screw, sums: &mut [Screw]) {
         let ([a, b], [arm_a, arm_b]) = (self.bodies, self.arms);
         sums[b] += wrench.wrench_from(arm_b);
@@ -74,7 +74,7 @@ impl Link {
         self.bodies.iter().all(|&body| bodies[body].is_movable())
     }
 
-    /// `−h L_aᵀ X_aᵀ K X_b L_b`, with the matrices X that move the bodies' twists to the pair's origin.
+    /// `−h L_aᵀ X_aᵀ K X_b L_b`, with the matrices X that move the bodies' twists to where they are linked.
     fn coupling(&self, damping: &Symmetric6, bodies: &[SolverBody], dt: f64) -> Block {
         let [a, b] = self.bodies.map(|body| &bodies[body]);
         let [cross_a, cross_b] = self.arms.map(cross_matrix);
@@ -100,12 +100,12 @@ impl Island {
         joints: Vec<([usize; 2], JointForces)>,
         state: Vec<Screw>,
     ) -> Self {
-        let link = |(indices, origin): ([usize; 2], DVec3)| Link {
-            bodies: indices,
-            arms: indices.map(|body| origin - bodies[body].center_of_mass),
+        let link = |([a, b], [place_a, place_b]): ([usize; 2], [DVec3; 2])| Link {
+            bodies: [a, b],
+            arms: [place_a - bodies[a].center_of_mass, place_b - bodies[b].center_of_mass],
         };
-        let places = pairs.iter().map(|(indices, pair)| (*indices, pair.origin));
-        let places = places.chain(joints.iter().map(|(indices, joint)| (*indices, joint.origin)));
+        let places = pairs.iter().map(|(indices, pair)| (*indices, [pair.origin; 2]));
+        let places = places.chain(joints.iter().map(|(indices, joint)| (*indices, joint.anchors)));
         let links: Vec<Link> = places.map(link).collect();
         let couplings: Vec<[usize; 2]> =
             links.iter().filter(|link| link.couples(&bodies)).map(|link| link.bodies).collect();
@@ -125,14 +125,19 @@ impl Island {
         joints.map(|(joint, link)| joint.update(link.relative_twist(&twists))).fold(0.0, f64::max)
     }
 
-    /// Wrenches of all joints on each body about its centre of mass, as last solved.
-    pub(crate) fn joint_wrenches(&self) -> Vec<Screw> {
+    /// What all joints do to each body, as last solved.
+    pub(crate) fn joint_wrenches(&self) -> Vec<JointWrench> {
         let twists = self.twists();
-        let mut wrenches = vec![Screw::ZERO; self.bodies.len()];
+        let mut wrenches = [(); 3].map(|()| vec![Screw::ZERO; self.bodies.len()]);
         for (joint, link) in self.joints.iter().zip(&self.links[self.pairs.len()..]) {
-            link.add(joint.wrench(link.relative_twist(&twists)), &mut wrenches);
+            let [again, support] = joint.repeated_wrenches();
+            let of_joint = [joint.wrench(link.relative_twist(&twists)), again, support];
+            of_joint.into_iter().zip(&mut wrenches).for_each(|(wrench, sums)| link.add(wrench, sums));
         }
-        wrenches
+        let [solved, again, support] = &wrenches;
+        (0..self.bodies.len())
+            .map(|i| JointWrench { solved: solved[i], again: again[i], support: support[i] })
+            .collect()
     }
 
     /// Twists of all bodies at the end of the step, as last solved.
@@ -140,9 +145,9 @@ impl Island {
         (0..self.bodies.len()).map(|i| self.final_twist(i)).collect()
     }
 
-    /// The contacts, in the order in which they came.
-    pub(crate) fn into_contacts(self) -> Vec<PairContacts> {
-        self.pairs
+    /// Contacts and joints, in the order in which they came.
+    pub(crate) fn into_forces(self) -> (Vec<PairContacts>, Vec<JointForces>) {
+        (self.pairs, self.joints)
     }
 
     /// Relative velocities of each pair at its origin, at the end of the step as last solved.

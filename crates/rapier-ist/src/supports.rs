@@ -1,0 +1,97 @@
+//! What Rapier's own contacts do to the bodies of the solve.
+//!
+//! A table that trees lie on stands on a floor, and a robot that holds one on its wheels. The solve has to know what carries them, or it
+//! takes them to fall together. Rapier still solves these contacts: they are in the solve so that it expects what they do.
+
+use crate::WorldParts;
+use crate::bodies::{Bodies, SolverJoint};
+use crate::hooks::is_solid;
+use crate::joint_rows::SOFTNESS;
+use crate::penalty::{JointForces, JointRow, Screw, SolverBody, compliance};
+use rapier3d::dynamics::RigidBody;
+use rapier3d::geometry::{ContactManifold, SolverFlags};
+use rapier3d::glamx::DVec3;
+use rapier3d::math::Vector;
+use std::collections::BTreeSet;
+
+/// All points at which Rapier's solver pushes the bodies of the solve apart, as they stand since its last detection.
+pub(crate) fn supports(world: &WorldParts<'_>, bodies: &Bodies) -> Vec<SolverJoint> {
+    let dt = f64::from(world.integration_parameters.dt);
+    let mut seen = BTreeSet::new();
+    let mut found = Vec::new();
+    for handle in bodies.handles.iter().flatten() {
+        let Some(body) = world.bodies.get(*handle).filter(|body| body.is_dynamic() && !body.is_sleeping())
+        else {
+            continue;
+        };
+        for collider in body.colliders() {
+            for pair in world.narrow_phase.contact_pairs_with(*collider) {
+                let colliders = [pair.collider1, pair.collider2];
+                let is_ours = colliders.iter().any(|c| world.colliders.get(*c).is_none_or(is_solid));
+                if is_ours || !seen.insert(colliders.map(|c| c.into_raw_parts())) {
+                    continue;
+                }
+                for manifold in pair.solver_manifolds() {
+                    add_points(world, (bodies, dt), manifold, &mut found);
+                }
+            }
+        }
+    }
+    found
+}
+
+fn add_points(
+    world: &WorldParts<'_>,
+    (bodies, dt): (&Bodies, f64),
+    manifold: &ContactManifold,
+    found: &mut Vec<SolverJoint>,
+) {
+    let data = &manifold.data;
+    if !data.solver_flags.contains(SolverFlags::COMPUTE_RIGID_IMPULSES) {
+        return;
+    }
+    let dominance = data.relative_dominance;
+    let handles = [data.rigid_body1, data.rigid_body2];
+    let indices = bodies.indices(handles, [dominance > 0, dominance < 0]);
+    let states = indices.map(|index| &bodies.states[index]);
+    let places = [dominance > 0, dominance < 0].into_iter().zip(handles).map(|(is_world, handle)| {
+        let body = handle.and_then(|handle| world.bodies.get(handle)).filter(|_| !is_world);
+        move |anchor: Vector| in_world(body, anchor)
+    });
+    let places: Vec<_> = places.collect();
+    for point in &data.solver_contacts {
+        let anchors = [places[0](point.anchor1), places[1](point.anchor2)].map(|place| place.as_dvec3());
+        if let Some(forces) = support(states, anchors, (data.normal.as_dvec3(), f64::from(data.friction)), dt)
+        {
+            found.push(SolverJoint { bodies: indices, forces, impulse: None });
+        }
+    }
+}
+
+/// A point of a contact in the world: Rapier keeps it in the frame of the body's centre of mass, and of what does not give way in the
+/// world's.
+fn in_world(body: Option<&RigidBody>, anchor: Vector) -> Vector {
+    body.map_or(anchor, |body| body.center_of_mass() + *body.rotation() * anchor)
+}
+
+/// One point: a row along the normal that pushes only, and two of friction.
+fn support(
+    states: [&SolverBody; 2],
+    anchors: [DVec3; 2],
+    (normal, friction): (DVec3, f64),
+    dt: f64,
+) -> Option<JointForces> {
+    let along = |linear: DVec3| Screw { linear, ..Screw::ZERO };
+    let damping = |axis: Screw| 1.0 / (dt * compliance(states, anchors, axis) * SOFTNESS);
+    let room = (anchors[1] - anchors[0]).dot(normal).max(0.0);
+    let push = along(normal);
+    let push = JointRow::new(push, -room / dt, damping(push), [0.0, f64::INFINITY]);
+    let (first, second) = normal.any_orthonormal_pair();
+    let tangents = [first, second].map(|tangent| {
+        let axis = along(tangent);
+        JointRow::new(axis, 0.0, damping(axis), [0.0; 2]).rubs(0, friction)
+    });
+    let rows: Vec<JointRow> = std::iter::once(push).chain(tangents).collect();
+    let is_finite = anchors.iter().all(|anchor| anchor.is_finite()) && rows.iter().all(JointRow::is_finite);
+    is_finite.then(|| JointForces::new(anchors, rows).of_support())
+}
