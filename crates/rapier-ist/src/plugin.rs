@@ -41,9 +41,11 @@ use std::time::Instant;
 ///   A pair whose contacts `modify_solver_contacts` removes is not pushed; that hook sees Rapier's manifolds of the
 ///   step before, so where colliders ask for it pushing begins a step late. Friction, restitution and tangent velocity
 ///   (a conveyor belt) that it sets are felt, for a pair those of its first manifold; normals and distances are not.
-/// - Links of multibodies feel contact forces as forces during the step, as impulses do not reach them; the solve
-///   sees every link with its own mass and weight and not what joints carry of it, so that links on stiff contacts
-///   tremble by some cm/s.
+/// - Joints hold and drive as in Rapier. Bodies that joints connect with what touches get their final velocities at the
+///   beginning of the step; motors of their impulse joints are off while Rapier steps, which hooks and events during the
+///   step see, and impulses of joints and motors are then what they did.
+/// - Rapier's own contacts of these bodies carry and rub as without the plugin. They and links of multibodies are solved by Rapier
+///   once more, within what the plugin expects of them.
 /// - `CollisionEvent`s come from Rapier, when a pair overlaps at the start of a step. Contact-force events come from the
 ///   volume contacts, with one manifold and one contact for each [`crate::PatchContact`].
 ///

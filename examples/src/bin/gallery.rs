@@ -25,6 +25,7 @@ const COMMANDS: &[&str] = &[
     "-p rapier-ist-examples --example buoyancy -- --png-width 480 --png DOCS/gallery/buoyancy.png --mcap TMP/buoyancy.mcap",
     "-p rapier-ist-examples --example gears -- --steps 600 --png-width 480 --png DOCS/gallery/gears.png --mcap TMP/gears.mcap",
     "-p rapier-ist-examples --example bolt -- --png-time 2.5 --png-width 480 --png DOCS/gallery/bolt.png --mcap TMP/bolt.mcap",
+    "-p rapier-ist-examples --example assembly -- --png-time 2.9 --png-width 480 --png DOCS/gallery/assembly.png --mcap TMP/assembly.mcap",
     "-p rapier-ist-examples --example overlap -- assets/bunny.obj assets/bunny.obj tests/data/bunny_bunny.json --png-width 480 --png DOCS/gallery/overlap.png",
     "-p rapier-ist-examples --example haptic -- --seconds 1 --png-width 480 --png DOCS/gallery/haptic.png",
     "-p rapier-ist-examples --example replay -- TMP/pile.mcap --plot DOCS/gallery/pile.svg --apng DOCS/gallery/replay.png --apng-width 240 --until 2.5 --rate 12",
