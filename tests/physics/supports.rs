@@ -168,3 +168,57 @@ fn a_robot_that_stands_on_a_floor_lifts_a_cube() {
     println!("cube {height} m high, slipped {:.2} mm, base moved {:.2} mm", slip * 1e3, moved * 1e3);
     assert!(slip < 0.002 && moved < 0.001 && (height - 0.27).abs() < 0.002);
 }
+
+/// A crate with a ring on it goes where the platform under it goes: along, up and down, round.
+#[test]
+fn what_stands_on_a_platform_moves_with_it() {
+    let ring = packed(&shapes::ring(0.15, 0.06, [48, 24]), 1000);
+    let motions: [(&str, fn(f32) -> [Vec3; 2]); 3] = [
+        ("along", |t| [Vec3::X * (2.0 * t).min(1.0), Vec3::ZERO]),
+        ("up and down", |t| [Vec3::Y * 0.5 * (3.0 * t).sin(), Vec3::ZERO]),
+        ("round", |t| [Vec3::ZERO, Vec3::Y * t.min(1.0)]),
+    ];
+    for (name, motion) in motions {
+        for is_positional in [false, true] {
+            let (mut world, mut plugin) = grounded();
+            let start = Vec3::Y;
+            let body = if is_positional {
+                RigidBodyBuilder::kinematic_position_based()
+            } else {
+                RigidBodyBuilder::kinematic_velocity_based()
+            };
+            let (platform, _) =
+                world.insert(body.translation(start), ColliderBuilder::cuboid(1.0, 0.1, 1.0).friction(0.8));
+            let mut insert = |height: f32, collider: ColliderBuilder| {
+                let body = RigidBodyBuilder::dynamic().translation(start + Vec3::Y * height).can_sleep(false);
+                world.insert(body, collider.friction(0.8)).0
+            };
+            let case = insert(0.2, ColliderBuilder::cuboid(0.25, 0.1, 0.25).density(300.0));
+            let ring = insert(0.36, ring.clone().into_collider().density(1000.0));
+            let places = |world: &PhysicsWorld| {
+                let frame = world.bodies[platform].position().inverse();
+                [case, ring].map(|body| frame * world.bodies[body].translation())
+            };
+            let mut settled = places(&world);
+            for step in 0..240 {
+                let [linear, angular] = motion(step as f32 / 60.0);
+                let body = &mut world.bodies[platform];
+                if is_positional {
+                    let turn = Rotation::from_scaled_axis(angular / 60.0) * *body.rotation();
+                    let place = body.translation() + linear / 60.0;
+                    body.set_next_kinematic_position(Pose::from_parts(place, turn));
+                } else {
+                    body.set_linvel(linear, true);
+                    body.set_angvel(angular, true);
+                }
+                plugin.step(&mut world);
+                if step == 60 {
+                    settled = places(&world);
+                }
+            }
+            let shifts = [0, 1].map(|i| settled[i].distance(places(&world)[i]));
+            println!("{name}, by positions {is_positional}: crate and ring shift by {shifts:?} m");
+            assert!(shifts[0] < 0.005 && shifts[1] < 0.01, "{name} {is_positional}");
+        }
+    }
+}

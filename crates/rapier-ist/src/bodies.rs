@@ -5,7 +5,7 @@ use crate::candidates::Candidate;
 use crate::joint_rows::joint_forces;
 use crate::joints::{Joint, can_move, joints_of};
 use crate::penalty::{JointForces, SolverBody};
-use crate::supports::supports;
+use crate::supports::{neighbours, supports};
 use rapier3d::dynamics::{ImpulseJointHandle, MultibodyLinkId, RigidBody, RigidBodyHandle};
 use rapier3d::geometry::Collider;
 use std::cmp::Ordering;
@@ -16,6 +16,8 @@ pub(crate) struct Bodies {
     /// First those of `handles`, then all of them once more as what a dominated body sees: they move and do not give
     /// way.
     pub(crate) states: Vec<SolverBody>,
+    /// Those that only Rapier's contacts connect with the others, in order: they do not give way.
+    neighbours: Vec<RigidBodyHandle>,
     /// The multibody of which a body is a link, and the number of the link.
     pub(crate) links: Vec<Option<MultibodyLinkId>>,
     /// Their joints, and where Rapier's own contacts support them.
@@ -39,7 +41,12 @@ impl Bodies {
             handles.dedup();
         };
         sort(&mut handles);
+        let beside = neighbours(world, &handles);
+        handles.extend(beside.into_iter().filter(|body| world.bodies.get(*body).is_some_and(can_move)));
         let joints = joints_of(world, &mut handles);
+        sort(&mut handles);
+        let neighbours = neighbours(world, &handles);
+        handles.extend(&neighbours);
         sort(&mut handles);
         let state = |handle: &RigidBodyHandle| {
             let body = &world.bodies[*handle];
@@ -54,7 +61,7 @@ impl Bodies {
             handle.and_then(|handle| world.multibody_joints.rigid_body_link(handle).copied())
         };
         let links = handles.iter().map(link).collect();
-        let mut bodies = Self { links, handles, states, joints: Vec::new() };
+        let mut bodies = Self { links, handles, states, neighbours, joints: Vec::new() };
         let forces = |joint: &Joint<'_>| {
             let indices = joint.bodies.map(|handle| bodies.index(Some(handle)));
             let poses = joint.bodies.map(|handle| world.bodies[handle].position());
@@ -67,9 +74,22 @@ impl Bodies {
         bodies
     }
 
-    /// Indices of two bodies, that of the world for none, of which the ones that dominate the other do not give way to it.
-    pub(crate) fn indices(&self, handles: [Option<RigidBodyHandle>; 2], dominates: [bool; 2]) -> [usize; 2] {
-        [0, 1].map(|i| self.index(handles[i]) + if dominates[i] { self.handles.len() } else { 0 })
+    /// Whether only Rapier's contacts connect a body with the others.
+    pub(crate) fn is_neighbour(&self, handle: RigidBodyHandle) -> bool {
+        let key = |handle: RigidBodyHandle| handle.into_raw_parts();
+        self.neighbours.binary_search_by_key(&key(handle), |handle| key(*handle)).is_ok()
+    }
+
+    /// Indices of two bodies in contact by Rapier, that of the world for none; what dominates the other does not give way to it.
+    pub(crate) fn in_contact(
+        &self,
+        handles: [Option<RigidBodyHandle>; 2],
+        dominates: [bool; 2],
+    ) -> [usize; 2] {
+        [0, 1].map(|i| {
+            let is_unyielding = dominates[i] || handles[i].is_some_and(|handle| self.is_neighbour(handle));
+            self.index(handles[i]) + if is_unyielding { self.handles.len() } else { 0 }
+        })
     }
 
     /// Index of a body; that of the world for none.

@@ -8,29 +8,50 @@ use crate::bodies::{Bodies, SolverJoint};
 use crate::hooks::is_solid;
 use crate::joint_rows::SOFTNESS;
 use crate::penalty::{JointForces, JointRow, Screw, SolverBody, compliance};
-use rapier3d::dynamics::RigidBody;
-use rapier3d::geometry::{ContactManifold, SolverFlags};
+use rapier3d::dynamics::{RigidBody, RigidBodyHandle};
+use rapier3d::geometry::{ContactManifold, ContactPair, SolverFlags};
 use rapier3d::glamx::DVec3;
 use rapier3d::math::Vector;
 use std::collections::BTreeSet;
 
-/// All points at which Rapier's solver pushes the bodies of the solve apart, as they stand since its last detection.
+/// Contacts that rebound are left to Rapier where bodies approach faster than this many times what gravity gives in a step. Not tuned.
+const BOUNCING: f64 = 2.0;
+
+/// The contacts of a body that Rapier solves, each with what it is in contact with.
+fn contacts_of<'a>(
+    world: &'a WorldParts<'_>,
+    body: RigidBodyHandle,
+) -> impl Iterator<Item = (&'a ContactPair, Option<RigidBodyHandle>)> {
+    let body = world.bodies.get(body).filter(|body| body.is_dynamic() && !body.is_sleeping());
+    let colliders = body.into_iter().flat_map(RigidBody::colliders);
+    colliders.flat_map(|collider| {
+        world.narrow_phase.contact_pairs_with(*collider).filter_map(|pair| {
+            let colliders = [pair.collider1, pair.collider2];
+            let is_ours = colliders.iter().any(|c| world.colliders.get(*c).is_none_or(is_solid));
+            let other = colliders[usize::from(colliders[0] == *collider)];
+            (!is_ours).then(|| (pair, world.colliders[other].parent()))
+        })
+    })
+}
+
+/// What Rapier's contacts connect with `bodies` and is not one of them, in the order of handles: it moves on as it does now, whatever leans on
+/// it.
+pub(crate) fn neighbours(world: &WorldParts<'_>, bodies: &[RigidBodyHandle]) -> Vec<RigidBodyHandle> {
+    let others = bodies.iter().flat_map(|body| contacts_of(world, *body).filter_map(|(_, other)| other));
+    let mut others: Vec<RigidBodyHandle> = others.filter(|other| !bodies.contains(other)).collect();
+    others.sort_unstable_by_key(|handle| handle.into_raw_parts());
+    others.dedup();
+    others
+}
+
+/// All points at which Rapier's solver pushes the bodies of the solve apart, and off others, as they stand since its last detection.
 pub(crate) fn supports(world: &WorldParts<'_>, bodies: &Bodies) -> Vec<SolverJoint> {
     let dt = f64::from(world.integration_parameters.dt);
     let mut seen = BTreeSet::new();
     let mut found = Vec::new();
-    for handle in bodies.handles.iter().flatten() {
-        let Some(body) = world.bodies.get(*handle).filter(|body| body.is_dynamic() && !body.is_sleeping())
-        else {
-            continue;
-        };
-        for collider in body.colliders() {
-            for pair in world.narrow_phase.contact_pairs_with(*collider) {
-                let colliders = [pair.collider1, pair.collider2];
-                let is_ours = colliders.iter().any(|c| world.colliders.get(*c).is_none_or(is_solid));
-                if is_ours || !seen.insert(colliders.map(|c| c.into_raw_parts())) {
-                    continue;
-                }
+    for handle in bodies.handles.iter().flatten().filter(|handle| !bodies.is_neighbour(**handle)) {
+        for (pair, _) in contacts_of(world, *handle) {
+            if seen.insert([pair.collider1, pair.collider2].map(|c| c.into_raw_parts())) {
                 for manifold in pair.solver_manifolds() {
                     add_points(world, (bodies, dt), manifold, &mut found);
                 }
@@ -52,17 +73,22 @@ fn add_points(
     }
     let dominance = data.relative_dominance;
     let handles = [data.rigid_body1, data.rigid_body2];
-    let indices = bodies.indices(handles, [dominance > 0, dominance < 0]);
+    let indices = bodies.in_contact(handles, [dominance > 0, dominance < 0]);
     let states = indices.map(|index| &bodies.states[index]);
     let places = [dominance > 0, dominance < 0].into_iter().zip(handles).map(|(is_world, handle)| {
         let body = handle.and_then(|handle| world.bodies.get(handle)).filter(|_| !is_world);
         move |anchor: Vector| in_world(body, anchor)
     });
     let places: Vec<_> = places.collect();
+    let normal = data.normal.as_dvec3();
+    let fall = f64::from(world.gravity.length()) * dt;
     for point in &data.solver_contacts {
         let anchors = [places[0](point.anchor1), places[1](point.anchor2)].map(|place| place.as_dvec3());
-        if let Some(forces) = support(states, anchors, (data.normal.as_dvec3(), f64::from(data.friction)), dt)
-        {
+        let approach = (states[0].twist_at(anchors[0]) - states[1].twist_at(anchors[1])).linear.dot(normal);
+        if data.restitution > 0.0 && approach > BOUNCING * fall {
+            continue;
+        }
+        if let Some(forces) = support(states, anchors, (normal, f64::from(data.friction)), dt) {
             found.push(SolverJoint { bodies: indices, forces, impulse: None });
         }
     }
