@@ -169,11 +169,14 @@ fn a_robot_that_stands_on_a_floor_lifts_a_cube() {
     assert!(slip < 0.002 && moved < 0.001 && (height - 0.27).abs() < 0.002);
 }
 
+/// Velocity and angular velocity at a time (s).
+type Motion = fn(f32) -> [Vec3; 2];
+
 /// A crate with a ring on it goes where the platform under it goes: along, up and down, round.
 #[test]
 fn what_stands_on_a_platform_moves_with_it() {
     let ring = packed(&shapes::ring(0.15, 0.06, [48, 24]), 1000);
-    let motions: [(&str, fn(f32) -> [Vec3; 2]); 3] = [
+    let motions: [(&str, Motion); 3] = [
         ("along", |t| [Vec3::X * (2.0 * t).min(1.0), Vec3::ZERO]),
         ("up and down", |t| [Vec3::Y * 0.5 * (3.0 * t).sin(), Vec3::ZERO]),
         ("round", |t| [Vec3::ZERO, Vec3::Y * t.min(1.0)]),

@@ -196,3 +196,34 @@ fn support_share(body: &SolverBody, joints: JointWrench) -> f64 {
     let share = least + further.sqrt();
     if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use rapier3d::glamx::DVec3;
+
+    fn vector() -> impl Strategy<Value = DVec3> {
+        prop::array::uniform3(-10.0_f64..10.0).prop_map(DVec3::from)
+    }
+
+    proptest! {
+        /// And what stands is held by nothing.
+        #[test]
+        fn bodies_are_held_by_little(external in vector(), support in vector(), inverse_mass in 0.01_f64..100.0) {
+            let linear = |linear| Screw { linear, ..Screw::ZERO };
+            let body = SolverBody {
+                root_linear: DVec3::splat(inverse_mass.sqrt()),
+                external: linear(external),
+                ..SolverBody::FIXED
+            };
+            let share = |support| support_share(&body, JointWrench { support: linear(support), ..JointWrench::ZERO });
+            let held = external + support * share(support);
+            prop_assert!((0.0..=1.0).contains(&share(support)));
+            prop_assert!(held.length() <= MOST_HELD * external.length() * (1.0 + 1e-9));
+            prop_assert_eq!(share(-external), 1.0);
+            prop_assert_eq!(share(-external * 0.5), 1.0);
+            prop_assert_eq!(share(DVec3::ZERO), 0.0);
+        }
+    }
+}

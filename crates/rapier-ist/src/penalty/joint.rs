@@ -271,6 +271,30 @@ mod tests {
         }
     }
 
+    proptest! {
+        /// A body of 1 kg that a motor drives, in one step.
+        #[test]
+        fn motors_drive_no_farther_than_they_say(
+            wanted in -10.0_f64..10.0, speed in -10.0_f64..10.0, damping in 0.1_f64..1e6, most in 0.1_f64..1e3, dt in 1e-3_f64..0.1,
+        ) {
+            let body = SolverBody {
+                velocity: Screw { linear: DVec3::X * speed, ..Screw::ZERO },
+                root_linear: DVec3::ONE,
+                ..SolverBody::FIXED
+            };
+            let joint = JointForces::new([DVec3::ZERO; 2], vec![row(wanted, damping, [-most, most], 0.0)]);
+            let [translation, rotation] = joint.drives([&SolverBody::FIXED, &body], dt);
+            // The law is monotonic: the speed at the end of the step by bisection.
+            let [mut low, mut high] = [speed.min(wanted), speed.max(wanted)];
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                if middle < speed + dt * joint.rows[0].at(middle) { low = middle } else { high = middle }
+            }
+            prop_assert!((low - speed).abs() <= translation * (1.0 + 1e-9) + 1e-9, "{low} {speed} {translation}");
+            prop_assert_eq!(rotation, 0.0);
+        }
+    }
+
     const FREE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
     /// A mass that a motor of limited force drives, step by step: passes end, at the force that it has and not beyond its speed.
