@@ -225,3 +225,34 @@ fn what_stands_on_a_platform_moves_with_it() {
         }
     }
 }
+
+/// Crate and ring are moved off a platform by the user: nothing carries them there.
+#[test]
+fn what_is_moved_away_from_its_support_falls() {
+    let ring = packed(&shapes::ring(0.15, 0.06, [48, 24]), 1000);
+    let (mut world, mut plugin) = grounded();
+    let start = Vec3::Y * 5.0;
+    world.insert(RigidBodyBuilder::fixed().translation(start), ColliderBuilder::cuboid(1.0, 0.1, 1.0));
+    let mut insert = |height: f32, collider: ColliderBuilder| {
+        let body = RigidBodyBuilder::dynamic().translation(start + Vec3::Y * height).can_sleep(false);
+        world.insert(body, collider).0
+    };
+    let bodies = [
+        insert(0.2, ColliderBuilder::cuboid(0.25, 0.1, 0.25).density(300.0)),
+        insert(0.36, ring.into_collider().density(1000.0)),
+    ];
+    for _ in 0..60 {
+        plugin.step(&mut world);
+    }
+    for body in bodies {
+        let place = world.bodies[body].translation();
+        world.bodies[body].set_translation(place + Vec3::X * 3.0, true);
+    }
+    for step in 1..=10 {
+        plugin.step(&mut world);
+        let bodies = bodies.map(|body| &world.bodies[body]);
+        let mass: f32 = bodies.iter().map(|body| body.mass()).sum();
+        let speed = bodies.iter().map(|body| body.mass() * body.linvel().y).sum::<f32>() / mass;
+        assert!((speed + 9.81 * step as f32 / 60.0).abs() < 1e-3, "step {step}: {speed} m/s");
+    }
+}

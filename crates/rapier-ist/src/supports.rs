@@ -17,6 +17,10 @@ use std::collections::BTreeSet;
 /// Contacts that rebound are left to Rapier where bodies approach faster than this many times what gravity gives in a step. Not tuned.
 const BOUNCING: f64 = 2.0;
 
+/// A contact whose points are farther from each other sideways (in units of length), and than two steps lead, is one of where a body was before
+/// the user moved it. A choice.
+const MOVED: f64 = 0.02;
+
 /// The contacts of a body that Rapier solves, each with what it is in contact with.
 fn contacts_of<'a>(
     world: &'a WorldParts<'_>,
@@ -34,12 +38,13 @@ fn contacts_of<'a>(
     })
 }
 
-/// What Rapier's contacts connect with `bodies` and is not one of them, in the order of handles: it moves on as it does now, whatever leans on
-/// it.
+/// What Rapier's contacts connect with `bodies`, which are in the order of their handles, and is not one of them; in that order.
 pub(crate) fn neighbours(world: &WorldParts<'_>, bodies: &[RigidBodyHandle]) -> Vec<RigidBodyHandle> {
     let others = bodies.iter().flat_map(|body| contacts_of(world, *body).filter_map(|(_, other)| other));
-    let mut others: Vec<RigidBodyHandle> = others.filter(|other| !bodies.contains(other)).collect();
-    others.sort_unstable_by_key(|handle| handle.into_raw_parts());
+    let key = |handle: &RigidBodyHandle| handle.into_raw_parts();
+    let is_other = |other: &RigidBodyHandle| bodies.binary_search_by_key(&key(other), key).is_err();
+    let mut others: Vec<RigidBodyHandle> = others.filter(is_other).collect();
+    others.sort_unstable_by_key(key);
     others.dedup();
     others
 }
@@ -82,16 +87,24 @@ fn add_points(
     let places: Vec<_> = places.collect();
     let normal = data.normal.as_dvec3();
     let fall = f64::from(world.gravity.length()) * dt;
+    let least = MOVED * f64::from(world.integration_parameters.length_unit);
     for point in &data.solver_contacts {
         let anchors = [places[0](point.anchor1), places[1](point.anchor2)].map(|place| place.as_dvec3());
-        let approach = (states[0].twist_at(anchors[0]) - states[1].twist_at(anchors[1])).linear.dot(normal);
-        if data.restitution > 0.0 && approach > BOUNCING * fall {
+        let velocity = (states[1].twist_at(anchors[1]) - states[0].twist_at(anchors[0])).linear;
+        let is_moved =
+            sideways(anchors[1] - anchors[0], normal) > least + 2.0 * dt * sideways(velocity, normal);
+        let rebounds = data.restitution > 0.0 && -velocity.dot(normal) > BOUNCING * fall;
+        if is_moved || rebounds {
             continue;
         }
         if let Some(forces) = support(states, anchors, (normal, f64::from(data.friction)), dt) {
             found.push(SolverJoint { bodies: indices, forces, impulse: None });
         }
     }
+}
+
+fn sideways(vector: DVec3, normal: DVec3) -> f64 {
+    (vector - normal * vector.dot(normal)).length()
 }
 
 /// A point of a contact in the world: Rapier keeps it in the frame of the body's centre of mass, and of what does not give way in the
