@@ -304,11 +304,16 @@ fn motors_do_not_push_through_a_plate() {
                 plugin.step(&mut world);
                 least = least.min(world.bodies[finger].translation().x);
             }
+            let last = world.bodies[finger].translation().x;
+            let pressed = plugin.report().contacts[0].force.x;
+            assert!((pressed / force - 1.0).abs() < 0.01, "{is_link} {force}: {pressed} N");
             println!(
-                "link {is_link}, {force} N: finger at least {:.2} mm from the middle of the plate",
-                least * 1e3
+                "link {is_link}, {force} N: finger at least {:.2}, at last {:.2} mm from the middle of the plate",
+                least * 1e3,
+                last * 1e3
             );
-            assert!(least > 0.011, "{is_link} {force}: {least}");
+            // At 7 mm it would look out behind the plate, at 13 they touch.
+            assert!(least > 0.007 && (last - 0.013).abs() < 0.001, "{is_link} {force}: {least} {last}");
         }
     }
 }

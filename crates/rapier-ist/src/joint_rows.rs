@@ -18,10 +18,6 @@ use std::f64::consts::PI;
 /// by 0.6, 0.3 and 0.3 m/s with 1e-4, 1e-6 and 1e-8, and one that Rapier alone stretches to twice its length is thrown about with 1e-8.
 pub(crate) const SOFTNESS: f64 = 1e-6;
 
-/// The same in multibodies, whose rows are held against in whole: what a stiffer one exerts is less certain. With 1e-6 a piston of a
-/// multibody that presses with a thousand newtons is 16 mm deep.
-const LINK_SOFTNESS: f64 = 1e-4;
-
 /// By how much a row gives way to an impulse.
 #[derive(Clone, Copy, Default)]
 struct Give {
@@ -231,8 +227,7 @@ impl JointState<'_> {
     /// A row that works towards the speed `wanted`; none where no body can move.
     fn row(&self, axis: Screw, wanted: f64, give: Give, bounds: [f64; 2]) -> Option<JointRow> {
         let compliance = compliance(self.states, self.anchors, axis);
-        let softness = if self.link.is_some() { LINK_SOFTNESS } else { SOFTNESS };
-        let give_way = (compliance * give.share + give.gain).max(compliance * softness);
+        let give_way = (compliance * give.share + give.gain).max(compliance * SOFTNESS);
         let damping = 1.0 / (self.dt * give_way);
         // What is rigid has nothing to do where bodies have their final velocities. Springs do again what they do.
         let is_repeated = self.link.is_some() || give.share > SOFTNESS;
