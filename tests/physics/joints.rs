@@ -366,3 +366,91 @@ fn ropes_pull_what_lies_on_the_ground() {
         }
     }
 }
+
+/// Half sizes and places of torso, head, hips, arms and legs (m), and what each hangs on.
+const LIMBS: [([f64; 3], [f32; 3], usize); 10] = [
+    ([0.10, 0.18, 0.16], [0.0, 0.0, 0.0], 0),
+    ([0.09, 0.11, 0.09], [0.0, 0.32, 0.0], 0),
+    ([0.09, 0.10, 0.15], [0.0, -0.3, 0.0], 0),
+    ([0.05, 0.14, 0.05], [0.0, 0.03, 0.23], 0),
+    ([0.04, 0.13, 0.04], [0.0, -0.25, 0.23], 3),
+    ([0.05, 0.14, 0.05], [0.0, 0.03, -0.23], 0),
+    ([0.04, 0.13, 0.04], [0.0, -0.25, -0.23], 5),
+    ([0.07, 0.2, 0.07], [0.0, -0.62, 0.1], 2),
+    ([0.07, 0.2, 0.07], [0.0, -0.62, -0.1], 2),
+    ([0.06, 0.2, 0.06], [0.0, -1.04, 0.1], 7),
+];
+
+/// Ragdolls fall on stairs, limbs and stairs of trees and of Rapier's cuboids. As multibodies they were thrown out of f32: what locked axes
+/// exert was held against in the directions of the beginning of a step, in which a forearm turns by radians.
+#[test]
+fn ragdolls_come_to_lie() {
+    let packed_limbs = LIMBS.map(|(half, ..)| packed(&shapes::cuboid(DVec3::from(half)), 200));
+    let stair = packed(&shapes::cuboid(DVec3::new(0.3, 0.1, 1.0)), 1500);
+    for (limbs_are_trees, stairs_are_trees) in [(true, false), (true, true), (false, true)] {
+        for is_link in [false, true] {
+            let (mut world, mut plugin) = grounded();
+            for step in 0..6 {
+                let place = Vec3::new(0.5 * step as f32, 0.1 + 0.18 * step as f32, 0.0);
+                let collider = if stairs_are_trees {
+                    stair.clone().into_collider()
+                } else {
+                    ColliderBuilder::cuboid(0.3, 0.1, 1.0)
+                };
+                world.insert(RigidBodyBuilder::fixed().translation(place), collider.friction(0.6));
+            }
+            let mut all = Vec::new();
+            for doll in 0..3 {
+                let doll = doll as f32;
+                let frame = Pose::new(
+                    Vec3::new(2.2 - 0.1 * doll, 2.6 + 1.8 * doll, -0.3 + 0.15 * doll),
+                    Vec3::X * 0.4 * doll,
+                );
+                let mut bodies = Vec::new();
+                for (i, (half, place, parent)) in LIMBS.into_iter().enumerate() {
+                    let place = Vec3::from(place);
+                    let collider = if limbs_are_trees {
+                        packed_limbs[i].clone().into_collider()
+                    } else {
+                        let [x, y, z] = half.map(|half| half as f32);
+                        ColliderBuilder::cuboid(x, y, z)
+                    };
+                    let pose = frame * Pose::from_translation(place);
+                    let body = RigidBodyBuilder::dynamic().pose(pose).linvel(Vec3::NEG_X);
+                    let (body, _) = world.insert(body, collider.density(900.0).friction(0.6));
+                    bodies.push(body);
+                    if i > 0 {
+                        let end = half[1] as f32 * if i == 1 { -1.0 } else { 1.0 };
+                        let joint = SphericalJointBuilder::new()
+                            .local_anchor1(place + Vec3::Y * end - Vec3::from(LIMBS[parent].1))
+                            .local_anchor2(Vec3::Y * end)
+                            .limits(JointAxis::AngX, [-0.8, 0.8])
+                            .limits(JointAxis::AngY, [-0.4, 0.4])
+                            .limits(JointAxis::AngZ, [-1.2, 0.6])
+                            .contacts_enabled(false);
+                        join(&mut world, is_link, [bodies[parent], body], joint);
+                    }
+                }
+                all.extend(bodies);
+            }
+            let (mut fastest, mut at_last, mut lowest) = (0.0_f32, 0.0_f32, f32::INFINITY);
+            for step in 0..480 {
+                plugin.step(&mut world);
+                for body in all.iter().map(|body| &world.bodies[*body]) {
+                    assert!(body.position().is_finite() && body.linvel().is_finite());
+                    fastest = fastest.max(body.linvel().length());
+                    lowest = lowest.min(body.translation().y);
+                    if step >= 420 {
+                        at_last = at_last.max(body.linvel().length());
+                    }
+                }
+            }
+            println!(
+                "limbs trees {limbs_are_trees}, stairs trees {stairs_are_trees}, links {is_link}: at most {fastest} m/s, \
+                 {at_last} in the last second, lowest {lowest} m"
+            );
+            // They arrive at 10 m/s, and an arm may be whipped to twice that.
+            assert!(fastest < 50.0 && at_last < 5.0 && lowest > 0.0);
+        }
+    }
+}

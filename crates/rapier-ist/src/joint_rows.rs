@@ -230,7 +230,7 @@ impl JointState<'_> {
         let give_way = (compliance * give.share + give.gain).max(compliance * SOFTNESS);
         let damping = 1.0 / (self.dt * give_way);
         // What is rigid has nothing to do where bodies have their final velocities. Springs do again what they do.
-        let is_repeated = self.link.is_some() || give.share > SOFTNESS;
+        let is_repeated = give.share > SOFTNESS;
         (compliance > 0.0).then(|| JointRow::new(axis, wanted, damping, bounds).repeated(is_repeated))
     }
 

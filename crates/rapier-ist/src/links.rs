@@ -1,8 +1,8 @@
 //! Multibodies: their joints in generalised coordinates, and impulses on their links.
 
-use crate::penalty::Screw;
-use rapier3d::dynamics::{Multibody, MultibodyLink};
-use rapier3d::na::{DVector, Vector6};
+use crate::penalty::{Screw, symmetric};
+use rapier3d::dynamics::{Multibody, MultibodyLink, RigidBodySet};
+use rapier3d::na::{DMatrix, DVector, Matrix6, Vector6};
 
 /// A link and its multibody.
 #[derive(Clone, Copy)]
@@ -48,31 +48,47 @@ impl Link<'_> {
 }
 
 /// Gives `multibody` an impulse on each link, about its centre of mass, at once: the generalised velocities change by
-/// `M⁻¹ Σ Jᵀ p` (R. Featherstone, *Rigid Body Dynamics Algorithms*, 2008, chapter 11), with the mass matrix M and the Jacobians J of the links that Rapier last computed. Returns whether it could: before
-/// Rapier's first step there are none, and where the user moves a joint the matrix is another one.
-pub(crate) fn apply_impulses(multibody: &mut Multibody, impulses: &[(usize, Screw)]) -> bool {
+/// `M⁻¹ Σ Jᵀ p` (R. Featherstone, *Rigid Body Dynamics Algorithms*, 2008, chapter 11), with the Jacobians J of the links and the mass matrix
+/// `M = Σ Jᵀ diag(m, I) J`, to which the armature adds. Returns whether it could: before Rapier's first step there are no
+/// Jacobians, and where the user moves a joint the matrix is another one.
+///
+/// Rapier keeps a mass matrix, too, but that of the substep before, and links may turn by half a radian in one.
+pub(crate) fn apply_impulses(
+    multibody: &mut Multibody,
+    bodies: &RigidBodySet,
+    impulses: &[(usize, Screw)],
+) -> bool {
     let count = multibody.ndofs();
-    let inverse = multibody.inv_augmented_mass();
-    if multibody.links().any(|link| link.joint().kinematic)
-        || inverse.lu_internal().nrows() != count
-        || count == 0
-    {
+    if count == 0 || multibody.links().any(|link| link.joint().kinematic) {
         return false;
     }
-    let mut change = DVector::zeros(count);
-    for (link, impulse) in impulses {
-        let jacobian = multibody.body_jacobian(*link);
-        if jacobian.ncols() != count {
+    let mut mass = DMatrix::<f64>::from_diagonal(&multibody.armature().map(f64::from));
+    let mut change = DVector::<f64>::zeros(count);
+    for link in multibody.links() {
+        let jacobian = multibody.body_jacobian(link.link_id());
+        let Some(body) = bodies.get(link.rigid_body_handle()).filter(|_| jacobian.ncols() == count) else {
             return false;
+        };
+        let jacobian = jacobian.map(f64::from);
+        let properties = body.mass_properties();
+        let inertia = symmetric(&properties.effective_angular_inertia());
+        let mut of_body = Matrix6::zeros();
+        for (i, mass) in properties.effective_mass().to_array().into_iter().enumerate() {
+            of_body[(i, i)] = f64::from(mass);
+            of_body.fixed_view_mut::<3, 1>(3, 3 + i).copy_from_slice(&inertia.col(i).to_array());
         }
-        let (l, a) = (impulse.linear.as_vec3(), impulse.angular.as_vec3());
-        let impulse = Vector6::new(l.x, l.y, l.z, a.x, a.y, a.z);
-        change.gemv_tr(1.0, jacobian, &impulse, 1.0);
+        mass.quadform(1.0, &of_body, &jacobian, 1.0);
+        for (_, Screw { linear, angular }) in impulses.iter().filter(|(index, _)| *index == link.link_id()) {
+            let impulse = Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z);
+            change.gemv_tr(1.0, &jacobian, &impulse, 1.0);
+        }
     }
-    if !inverse.solve_mut(&mut change) || change.iter().any(|value| !value.is_finite()) {
+    let Some(factors) = mass.cholesky() else { return false };
+    factors.solve_mut(&mut change);
+    if change.iter().any(|value| !(*value as f32).is_finite()) {
         return false;
     }
     let mut velocity = multibody.generalized_velocity_mut();
-    velocity += &change;
+    velocity.iter_mut().zip(&change).for_each(|(velocity, change)| *velocity += *change as f32);
     true
 }

@@ -167,8 +167,8 @@ fn collect(
         let contact = if is_solved[i] || !last.fits_f32() { sums[i] } else { last - joints.solved };
         let again = joints.again + joints.support * support_share(body, joints);
         let (beyond, held) = (joints.solved - again, body.external + again);
-        let (push, held) = if held.fits_f32() { (contact + beyond, held) } else { (contact, body.external) };
-        Some(BodyForce { handle: bodies.handles[i]?, push, held, link: bodies.links[i] })
+        let (joints, held) = if held.fits_f32() { (beyond, held) } else { (Screw::ZERO, body.external) };
+        Some(BodyForce { handle: bodies.handles[i]?, contact, joints, held, link: bodies.links[i] })
     };
     let joint_forces = |(index, forces): (usize, JointForces)| {
         let handle = bodies.joints[index].impulse?;

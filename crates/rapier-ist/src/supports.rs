@@ -49,7 +49,8 @@ pub(crate) fn neighbours(world: &WorldParts<'_>, bodies: &[RigidBodyHandle]) -> 
     others
 }
 
-/// All points at which Rapier's solver pushes the bodies of the solve apart, and off others, as they stand since its last detection.
+/// All points at which Rapier's solver pushes the bodies of the solve apart, and off others, as they stand since its last detection; but
+/// for contacts between links of multibodies.
 pub(crate) fn supports(world: &WorldParts<'_>, bodies: &Bodies) -> Vec<SolverJoint> {
     let dt = f64::from(world.integration_parameters.dt);
     let mut seen = BTreeSet::new();
@@ -78,6 +79,13 @@ fn add_points(
     }
     let dominance = data.relative_dominance;
     let handles = [data.rigid_body1, data.rigid_body2];
+    // With these, ragdolls of Rapier's cuboids that lie on each other and on trees are thrown about in one of six runs, without in none.
+    let is_link = |body: Option<RigidBodyHandle>| {
+        body.is_some_and(|body| world.multibody_joints.rigid_body_link(body).is_some())
+    };
+    if handles.into_iter().all(is_link) {
+        return;
+    }
     let indices = bodies.in_contact(handles, [dominance > 0, dominance < 0]);
     let states = indices.map(|index| &bodies.states[index]);
     let places = [dominance > 0, dominance < 0].into_iter().zip(handles).map(|(is_world, handle)| {

@@ -12,9 +12,11 @@ use rapier3d::math::{Real, Vector};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BodyForce {
     pub(crate) handle: RigidBodyHandle,
-    /// Mean force (N) and torque (N·m) of contacts, and of joints but for `held`.
-    pub(crate) push: Screw,
-    /// What else acts on the body, and what Rapier's step does once more: gravity, the user's own force and torque, springs, the joints of
+    /// Mean force (N) and torque (N·m) of contacts.
+    pub(crate) contact: Screw,
+    /// The same of joints, and of Rapier's contacts, but for what is in `held`.
+    pub(crate) joints: Screw,
+    /// What else acts on the body, and what Rapier's step does once more: gravity, the user's own force and torque, springs, the motors of
     /// multibodies.
     pub(crate) held: Screw,
     /// The link of a multibody that the body is.
@@ -40,9 +42,9 @@ pub(crate) struct JointForce {
 fn push_links(world: &mut WorldParts<'_>, forces: &[BodyForce]) -> Vec<MultibodyIndex> {
     let dt = f64::from(world.integration_parameters.dt);
     let mut of_multibodies: Vec<(MultibodyIndex, Vec<(usize, Screw)>)> = Vec::new();
-    for BodyForce { push, held, link, .. } in forces {
+    for BodyForce { contact, joints, held, link, .. } in forces {
         let Some(link) = link else { continue };
-        let impulse = (link.id, (*push + *held) * dt);
+        let impulse = (link.id, (*contact + *joints + *held) * dt);
         match of_multibodies.iter_mut().find(|(index, _)| *index == link.multibody) {
             Some((_, impulses)) => impulses.push(impulse),
             None => of_multibodies.push((link.multibody, vec![impulse])),
@@ -50,7 +52,7 @@ fn push_links(world: &mut WorldParts<'_>, forces: &[BodyForce]) -> Vec<Multibody
     }
     let push = |(index, impulses): (MultibodyIndex, Vec<(usize, Screw)>)| {
         let multibody = world.multibody_joints.get_multibody_mut_internal(index)?;
-        apply_impulses(multibody, &impulses).then_some(index)
+        apply_impulses(multibody, world.bodies, &impulses).then_some(index)
     };
     of_multibodies.into_iter().filter_map(push).collect()
 }
@@ -71,16 +73,16 @@ impl UserForces {
         let dt = world.integration_parameters.dt;
         let mut before = Vec::with_capacity(pushes.bodies.len());
         let in_one_step = push_links(world, &pushes.bodies);
-        for BodyForce { handle, push, held, link } in pushes.bodies {
+        for BodyForce { handle, contact, joints, held, link } in pushes.bodies {
             let Some(body) = world.bodies.get_mut(handle) else { continue };
             before.push((handle, body.user_force(), body.user_torque()));
             if let Some(link) = link {
-                let force = if in_one_step.contains(&link.multibody) { -held } else { push };
+                let force = if in_one_step.contains(&link.multibody) { -held } else { contact };
                 body.add_force(force.linear.as_vec3(), false);
                 body.add_torque(force.angular.as_vec3(), false);
                 continue;
             }
-            let impulse = (push + held) * f64::from(dt);
+            let impulse = (contact + joints + held) * f64::from(dt);
             body.apply_impulse(impulse.linear.as_vec3(), false);
             body.apply_torque_impulse(impulse.angular.as_vec3(), false);
             body.add_force(-held.linear.as_vec3(), false);

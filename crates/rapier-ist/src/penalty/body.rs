@@ -139,7 +139,7 @@ fn target_twist(body: &RigidBody, dt: Real) -> Screw {
     if screw.is_finite() { screw } else { Screw::ZERO }
 }
 
-fn symmetric(m: &rapier3d::math::AngularInertia) -> DMat3 {
+pub(crate) fn symmetric(m: &rapier3d::math::AngularInertia) -> DMat3 {
     let [xx, xy, xz, yy, yz, zz] = [m.m11, m.m12, m.m13, m.m22, m.m23, m.m33].map(f64::from);
     DMat3::from_cols(DVec3::new(xx, xy, xz), DVec3::new(xy, yy, yz), DVec3::new(xz, yz, zz))
 }

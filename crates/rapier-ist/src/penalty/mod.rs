@@ -36,7 +36,7 @@ mod sample;
 mod system;
 mod twist;
 
-pub(crate) use body::SolverBody;
+pub(crate) use body::{SolverBody, symmetric};
 pub(crate) use impact::Impact;
 pub(crate) use island::{Hinge, Members, islands};
 pub(crate) use joint::{JointForces, JointRow, JointWrench, RowKind, compliance};
