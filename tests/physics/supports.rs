@@ -79,6 +79,33 @@ fn stacks_of_crates_and_rings_stand() {
     }
 }
 
+/// Bodies that move in a plane only, as in games seen from the side.
+#[test]
+fn a_crate_with_locked_axes_carries_a_ring() {
+    let ring = packed(&shapes::ring(0.15, 0.06, [48, 24]), 1000);
+    let (mut world, mut plugin) = grounded();
+    let mut insert = |height: f32, collider: ColliderBuilder| {
+        let body = RigidBodyBuilder::dynamic()
+            .translation(Vec3::Y * height)
+            .enabled_translations(true, true, false)
+            .enabled_rotations(false, false, true)
+            .can_sleep(false);
+        world.insert(body, collider.friction(0.5)).0
+    };
+    let bodies = [
+        insert(0.1, ColliderBuilder::cuboid(0.25, 0.1, 0.25).density(300.0)),
+        insert(0.26, ring.into_collider().density(1000.0)),
+    ];
+    for _ in 0..300 {
+        plugin.step(&mut world);
+    }
+    let [under, over] = bodies.map(|body| &world.bodies[body]);
+    let way = under.translation().x.abs().max(over.translation().x.abs());
+    let gap = (over.translation().y - under.translation().y - 0.16).abs();
+    println!("moved {:.2} mm, gap of {:.2} mm, {} m/s", way * 1e3, gap * 1e3, over.linvel().length());
+    assert!(way < 0.002 && gap < 0.003 && over.linvel().length() < 1e-3);
+}
+
 /// What Rapier tells of the contact of a crate with the floor: the weight of the crate and of the ring on it.
 #[test]
 fn rapiers_contacts_feel_what_lies_on_them() {

@@ -2,6 +2,7 @@
 
 use crate::penalty::{Screw, symmetric};
 use rapier3d::dynamics::{Multibody, MultibodyLink, RigidBodySet};
+use rapier3d::math::Real;
 use rapier3d::na::{DMatrix, DVector, Matrix6, Vector6};
 
 /// A link and its multibody.
@@ -85,10 +86,10 @@ pub(crate) fn apply_impulses(
     }
     let Some(factors) = mass.cholesky() else { return false };
     factors.solve_mut(&mut change);
-    if change.iter().any(|value| !(*value as f32).is_finite()) {
+    if change.iter().any(|value| !(*value as Real).is_finite()) {
         return false;
     }
     let mut velocity = multibody.generalized_velocity_mut();
-    velocity.iter_mut().zip(&change).for_each(|(velocity, change)| *velocity += *change as f32);
+    velocity.iter_mut().zip(&change).for_each(|(velocity, change)| *velocity += *change as Real);
     true
 }

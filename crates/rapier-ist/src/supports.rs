@@ -138,7 +138,8 @@ fn support(
         let axis = along(tangent);
         JointRow::new(axis, 0.0, damping(axis), [0.0; 2]).rubs(0, friction)
     });
-    let rows: Vec<JointRow> = std::iter::once(push).chain(tangents).collect();
-    let is_finite = anchors.iter().all(|anchor| anchor.is_finite()) && rows.iter().all(JointRow::is_finite);
+    // Along locked axes nothing can move, and nothing has to rub.
+    let rows = std::iter::once(push).chain(tangents.into_iter().filter(JointRow::is_finite)).collect();
+    let is_finite = anchors.iter().all(|anchor| anchor.is_finite()) && push.is_finite();
     is_finite.then(|| JointForces::new(anchors, rows).of_support())
 }
