@@ -7,7 +7,8 @@ use crate::contact_law::{ContactLaw, material};
 use crate::lookahead::Displacement;
 use crate::memory::{Memory, PairMemory};
 use crate::penalty::{
-    Hinge, Island, JointForces, JointWrench, Material, Members, PairContacts, Screw, SolverBody, islands,
+    Island, IslandJoint, JointForces, JointWrench, Material, Members, PairContacts, Screw, SolverBody,
+    islands,
 };
 use crate::query::Contact;
 use rapier3d::glamx::DVec3;
@@ -133,8 +134,9 @@ pub(crate) fn solve(
         contacts.iter().map(|contact| bodies.pair(world, &contact.candidate)).collect();
     let movable: Vec<bool> = bodies.states.iter().map(SolverBody::is_movable).collect();
     let [before, last] = start.memories;
-    let hinge = |joint: &SolverJoint| Hinge { bodies: joint.bodies, is_driven: joint.forces.is_driven() };
-    let joints: Vec<Hinge> = bodies.joints.iter().map(hinge).collect();
+    let island_joint =
+        |joint: &SolverJoint| IslandJoint { bodies: joint.bodies, is_driven: joint.forces.is_driven() };
+    let joints: Vec<IslandJoint> = bodies.joints.iter().map(island_joint).collect();
     let islands = islands(&pairs, &joints, &movable);
     let most = most_loads(bodies, &islands, &pairs);
     let of = |index: usize, memory: &Memory| {

@@ -1,5 +1,6 @@
 //! A hand puts a gear onto a shaft, so that its teeth mesh with those of another; then that one turns it.
 
+use super::contact_wrench::contact_wrench;
 use super::{Hand, Part, Turning};
 use crate::figures::Summary;
 use crate::palette;
@@ -200,21 +201,8 @@ impl Assembly {
             * *self.world.bodies[self.gears[0]].position();
         let lifted = *self.carried.lifted.get_or_insert(held);
         self.carried.slip = self.carried.slip.max(held.translation.distance(lifted.translation).into());
-        self.carried.force += self.force_on(self.gears[0]).y;
+        self.carried.force += contact_wrench(&self.world, &self.plugin, self.gears[0]).0.y;
         self.carried.steps += 1;
-    }
-
-    /// Sum of the contact forces on a body in the last step (N).
-    fn force_on(&self, body: RigidBodyHandle) -> DVec3 {
-        let mut sum = DVec3::ZERO;
-        for contact in &self.plugin.report().contacts {
-            for (collider, sign) in [(contact.collider_a, -1.0), (contact.collider_b, 1.0)] {
-                if self.world.colliders[collider].parent() == Some(body) {
-                    sum += contact.force.as_dvec3() * sign;
-                }
-            }
-        }
-        sum
     }
 
     /// Seconds that have passed.

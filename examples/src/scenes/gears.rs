@@ -1,5 +1,6 @@
 //! Two spur gears: a motor turns the first, the first turns the second against a load.
 
+use super::contact_wrench::contact_wrench;
 use super::{Part, Turning};
 use crate::figures::Summary;
 use crate::palette;
@@ -109,16 +110,7 @@ impl Gears {
 
     /// Torques that the teeth exerted on the two gears in the last step, about their axles (N·m).
     fn torques(&self) -> [f64; 2] {
-        let mut torques = [0.0; 2];
-        for contact in &self.plugin.report().contacts {
-            for (collider, sign) in [(contact.collider_a, -1.0), (contact.collider_b, 1.0)] {
-                let parent = self.world.colliders[collider].parent();
-                let Some(i) = self.gears.iter().position(|&gear| Some(gear) == parent) else { continue };
-                let arm = contact.centroid - self.world.bodies[self.gears[i]].translation();
-                torques[i] += sign * f64::from((arm.cross(contact.force) + contact.torque).y);
-            }
-        }
-        torques
+        self.gears.map(|gear| contact_wrench(&self.world, &self.plugin, gear).1.y)
     }
 
     /// Turns of both gears since the start-up, positive about the upward axis.

@@ -2,6 +2,7 @@
 
 mod assembly;
 mod bolt;
+mod contact_wrench;
 mod floating;
 mod gears;
 mod hand;

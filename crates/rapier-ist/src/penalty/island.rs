@@ -9,7 +9,7 @@ pub(crate) struct Members {
 
 /// A joint between two bodies.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Hinge {
+pub(crate) struct IslandJoint {
     pub(crate) bodies: [usize; 2],
     /// Whether it has motors.
     pub(crate) is_driven: bool,
@@ -20,7 +20,7 @@ pub(crate) struct Hinge {
 ///
 /// Islands come in the order of their first pair, then in that of their first motor; pairs and joints in their own order, so the result
 /// depends on the input only.
-pub(crate) fn islands(pairs: &[[usize; 2]], joints: &[Hinge], movable: &[bool]) -> Vec<Members> {
+pub(crate) fn islands(pairs: &[[usize; 2]], joints: &[IslandJoint], movable: &[bool]) -> Vec<Members> {
     let mut parent: Vec<usize> = (0..movable.len()).collect();
     let joined = pairs.iter().copied().chain(joints.iter().map(|joint| joint.bodies));
     for [a, b] in joined.filter(|[a, b]| movable[*a] && movable[*b]) {
@@ -75,7 +75,7 @@ mod tests {
         let movable = [false, true, true, true, true, true];
         let joints = |is_driven: bool| {
             [[0, 1], [1, 2], [0, 4], [4, 5]]
-                .map(|bodies| Hinge { bodies, is_driven: is_driven && bodies[0] == 4 })
+                .map(|bodies| IslandJoint { bodies, is_driven: is_driven && bodies[0] == 4 })
         };
         let members =
             |pairs: &[usize], joints: &[usize]| Members { pairs: pairs.to_vec(), joints: joints.to_vec() };

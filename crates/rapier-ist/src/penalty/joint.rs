@@ -1,4 +1,4 @@
-//! A joint inside the penalty solve.
+//! Joints, and contacts that Rapier solves, inside the penalty solve: rows of forces that fall with the speed along them.
 
 use super::body::SolverBody;
 use super::twist::{Screw, Symmetric6};

@@ -38,7 +38,7 @@ mod twist;
 
 pub(crate) use body::{SolverBody, symmetric};
 pub(crate) use impact::Impact;
-pub(crate) use island::{Hinge, Members, islands};
+pub(crate) use island::{IslandJoint, Members, islands};
 pub(crate) use joint::{JointForces, JointRow, JointWrench, RowKind, compliance};
 pub(crate) use material::Material;
 pub(crate) use pair::PairContacts;
