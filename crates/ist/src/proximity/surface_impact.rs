@@ -5,7 +5,7 @@
 //! nearest to the ball's centre, and a ball cannot meet it before it meets that plane, which moves with the solid: a ball that
 //! passes by close to a face is done in a few steps.
 
-use super::impact::{Aim, Due, rounded_down};
+use super::impact::{Aim, Due, Encounter, rounded_down};
 use super::motion::{Mover, MovingBall, Snapshot};
 use super::nearest::Nodes;
 use super::safe_step::time_to_close;
@@ -109,11 +109,12 @@ impl<F: SignedDistance> Cast<'_, F> {
             let Some(due) = heap.pop() else { return TimeOfImpact::NoHit };
             let Some(sight) = self.sight(&due) else { continue };
             let is_leaf = due.nodes.level[0] == 0;
-            if is_leaf && sight.gap <= self.aim.close {
-                if self.aim.counts(due.time, || -self.rate(&sight)) {
-                    return TimeOfImpact::Hit(self.impact(&due, &sight));
+            if is_leaf {
+                match self.aim.encounter(sight.gap, due.time, || -self.rate(&sight)) {
+                    Encounter::Contact => return TimeOfImpact::Hit(self.impact(&due, &sight)),
+                    Encounter::PassedOver => continue,
+                    Encounter::Apart => {}
                 }
-                continue;
             }
             if is_leaf || sight.gap > CLOSE * sight.ball.radius {
                 let time = due.time + self.safe_step(&sight, self.aim.max_time - due.time);

@@ -103,3 +103,22 @@ fn a_ball_that_passes_by_takes_few_visits() {
     let any = ball(1.0).time_of_surface_impact(wall, &motions, &near, &mut workspace);
     assert!(matches!(any, TimeOfImpact::Hit(_)), "{any:?}");
 }
+
+/// It was advanced in steps of its gap, until no visit was left.
+#[test]
+fn issue_what_passes_by_is_passed_over_if_asked_for() {
+    let wall = |point: Vec3| SurfaceDistance { distance: point.y, outward: Vec3::Y };
+    let mut workspace = ProximityWorkspace::default();
+    for (down, visits, meets) in [(0.0, 1, false), (0.4, 1, false), (0.6, 1 << 16, true)] {
+        let past = RigidMotion {
+            linear_velocity: Vec3::new(100.0, -down, 0.0),
+            ..RigidMotion::at_rest(Pose3::from_translation(Vec3::Y * 1.01))
+        };
+        let motions = [past, RigidMotion::at_rest(Pose3::IDENTITY)];
+        let options = ImpactOptions { ignored_depth: 0.5, max_visits: visits, ..ImpactOptions::default() };
+        let found = ball(1.0).time_of_surface_impact(wall, &motions, &options, &mut workspace);
+        let expected =
+            if meets { matches!(found, TimeOfImpact::Hit(_)) } else { found == TimeOfImpact::NoHit };
+        assert!(expected, "{down} m/s: {found:?}");
+    }
+}
