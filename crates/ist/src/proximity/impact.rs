@@ -45,10 +45,8 @@ pub struct ImpactOptions {
     /// Balls that are in contact at the start count only if they approach by more than this (m) along their normal during
     /// the whole time; otherwise they are passed over, and others may meet later. −∞ by default: all count.
     pub ignored_approach: f32,
-    /// Balls that come this near (m) later count only if they go as deep along their normal in the rest of the time; otherwise they
-    /// are passed over, and others may meet later. −∞ by default: all count.
-    ///
-    /// What slides along a surface close to it is seen once then, and not advanced by its gap time and again.
+    /// Balls that meet later count only if they approach by more than this (m) along their normal in the rest of the time;
+    /// otherwise they are passed over, and others may meet later. −∞ by default: all count.
     pub ignored_depth: f32,
 }
 
@@ -165,8 +163,6 @@ pub(super) struct Aim {
     pub(super) target: f64,
     /// How far from that a pair may be in contact (m).
     pub(super) close: f64,
-    /// How far from that what does not go deep enough is passed over (m).
-    near: f64,
     pub(super) max_time: f64,
     /// Least approaches that count, at the start and later (m).
     ignored: [f64; 2],
@@ -180,41 +176,27 @@ impl Aim {
     pub(super) fn new(options: &ImpactOptions, least: f64) -> Self {
         let half = 0.5 * f64::from(options.tolerance).max(least);
         let number = |value: f32| if value.is_nan() { 0.0 } else { f64::from(value) };
-        let ignored = [number(options.ignored_approach), number(options.ignored_depth)];
         Self {
             kind: options.balls,
             target: f64::from(options.target_distance.max(0.0)) + half,
             close: half,
-            near: half.max(ignored[1]),
             max_time: f64::from(options.max_time.max(0.0)),
-            ignored,
+            ignored: [number(options.ignored_approach), number(options.ignored_depth)],
         }
     }
 
-    /// What to do about balls with this `gap` (m) beyond the target, which approach at `speed` (m/s) at `time` (s).
-    pub(super) fn encounter(&self, gap: f64, time: f64, speed: impl FnOnce() -> f64) -> Encounter {
-        if gap > self.near {
-            return Encounter::Apart;
-        }
-        let is_close = gap <= self.close;
-        let ignored = self.ignored[usize::from(time > 0.0 || !is_close)];
-        let depth = || speed() * (self.max_time - time) - gap.max(0.0);
-        if ignored > f64::NEG_INFINITY && depth() <= ignored {
-            Encounter::PassedOver
-        } else if is_close {
-            Encounter::Contact
-        } else {
-            Encounter::Apart
-        }
+    /// Whether balls count that meet at `time` (s) and approach at `speed` (m/s).
+    pub(super) fn counts(&self, time: f64, speed: impl FnOnce() -> f64) -> bool {
+        let ignored = self.ignored[usize::from(time > 0.0)];
+        ignored == f64::NEG_INFINITY || speed() * (self.max_time - time) > ignored
     }
-}
 
-/// What becomes of two balls, or of a ball and a surface, at some time.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Encounter {
-    Apart,
-    Contact,
-    PassedOver,
+    /// Whether balls with this `gap` (m) beyond the target, which approach at `speed` (m/s) at `time` (s), come as near as the depth
+    /// that they would have to go to and do not get there.
+    pub(super) fn graze(&self, gap: f64, time: f64, speed: impl FnOnce() -> f64) -> bool {
+        let ignored = self.ignored[1];
+        gap <= ignored && speed() * (self.max_time - time) - gap <= ignored
+    }
 }
 
 /// Two trees on their way.
@@ -234,12 +216,11 @@ impl Cast<'_> {
             let balls = [0, 1].map(|i| now[i].ball(due.nodes.level[i].into(), due.nodes.node[i] as usize));
             let gap = self.gap(&balls);
             let leaves = due.nodes.are_leaves();
-            if leaves {
-                match self.aim.encounter(gap, due.time, || self.approach(&balls)) {
-                    Encounter::Contact => return TimeOfImpact::Hit(self.impact(&due, &now, &balls)),
-                    Encounter::PassedOver => continue,
-                    Encounter::Apart => {}
+            if leaves && gap <= self.aim.close {
+                if self.aim.counts(due.time, || self.approach(&balls)) {
+                    return TimeOfImpact::Hit(self.impact(&due, &now, &balls));
                 }
+                continue;
             }
             if leaves || gap > CLOSE * balls[0].radius.max(balls[1].radius) {
                 self.push(due.time, due.nodes, &balls, heap);

@@ -5,7 +5,7 @@
 //! nearest to the ball's centre, and a ball cannot meet it before it meets that plane, which moves with the solid: a ball that
 //! passes by close to a face is done in a few steps.
 
-use super::impact::{Aim, Due, Encounter, rounded_down};
+use super::impact::{Aim, Due, rounded_down};
 use super::motion::{Mover, MovingBall, Snapshot};
 use super::nearest::Nodes;
 use super::safe_step::time_to_close;
@@ -25,6 +25,17 @@ const ROUNDING: f64 = 1e-6;
 /// Nodes are opened when their gap is less than this part of their radius.
 const CLOSE: f64 = 0.1;
 
+/// Visits for balls that graze the solid, see [`Cast::first_of_grazing`], and how far they go in at most between two of them, as a share of
+/// their radius: what they meet must not be behind their centres by then.
+///
+/// A ball of 0.1 m takes seven visits on its way of 0.5 m along a floor. Of 900 balls of 5 mm on a way of 17 cm the first 50 are followed to
+/// their ends; bodies of that many have others that are not next to the floor.
+const GRAZING_VISITS: usize = 4096;
+const GRAZING_DEPTH: f64 = 0.5;
+
+/// Halvings of the last step of a grazing ball before it hits something.
+const HALVINGS: usize = 12;
+
 /// How far ahead a step looks where the solid turns, in multiples of the time that the gap takes at the present speed.
 const HORIZON: f64 = 4.0;
 
@@ -37,7 +48,8 @@ impl InnerSphereTree {
     /// than the first contact; it is as inexact as the distances are.
     ///
     /// A ball that passes by B at a small distance takes about as many visits as it goes that distance. Where B is convex
-    /// use [`Self::time_of_convex_impact`]; else a tolerance bounds the visits.
+    /// use [`Self::time_of_convex_impact`]; else a tolerance bounds the visits, and so does [`ImpactOptions::ignored_depth`]: balls
+    /// that come that near and go no deeper are followed in steps of their size, and only 4,096 of these.
     #[must_use]
     pub fn time_of_surface_impact(
         &self,
@@ -76,7 +88,8 @@ impl InnerSphereTree {
         let aim = Aim::new(options, CONTACT * f64::from(self.bounding_ball().1));
         let mut cast = Cast { tree: self, surface, is_convex, movers: [a, b], aim };
         workspace.due.clear();
-        cast.run(options.max_visits, &mut workspace.due)
+        workspace.grazing.clear();
+        cast.run(options.max_visits, workspace)
     }
 }
 
@@ -102,19 +115,34 @@ struct Sight {
 }
 
 impl<F: SignedDistance> Cast<'_, F> {
-    fn run(&mut self, visits: usize, heap: &mut BinaryHeap<Due>) -> TimeOfImpact {
+    fn run(&mut self, visits: usize, workspace: &mut ProximityWorkspace) -> TimeOfImpact {
+        let ProximityWorkspace { due, grazing, .. } = workspace;
+        let first = self.first(visits, due, grazing);
+        let end = match &first {
+            TimeOfImpact::Hit(impact) => f64::from(impact.time),
+            TimeOfImpact::NoHit => self.aim.max_time,
+            TimeOfImpact::Undecided { safe_time } => f64::from(*safe_time),
+        };
+        self.first_of_grazing(grazing, end).map_or(first, TimeOfImpact::Hit)
+    }
+
+    /// The first impact but for those of balls that graze the solid, which it appends to `grazing`.
+    fn first(&mut self, visits: usize, heap: &mut BinaryHeap<Due>, grazing: &mut Vec<Due>) -> TimeOfImpact {
         let root = Nodes { level: [self.tree.data().height() as u8, 0], node: [0, 0] };
         heap.push(Due { time: 0.0, nodes: root });
         for _ in 0..visits {
             let Some(due) = heap.pop() else { return TimeOfImpact::NoHit };
             let Some(sight) = self.sight(&due) else { continue };
             let is_leaf = due.nodes.level[0] == 0;
-            if is_leaf {
-                match self.aim.encounter(sight.gap, due.time, || -self.rate(&sight)) {
-                    Encounter::Contact => return TimeOfImpact::Hit(self.impact(&due, &sight)),
-                    Encounter::PassedOver => continue,
-                    Encounter::Apart => {}
+            if is_leaf && sight.gap <= self.aim.close {
+                if self.aim.counts(due.time, || -self.rate(&sight)) {
+                    return TimeOfImpact::Hit(self.impact(&due, &sight));
                 }
+                continue;
+            }
+            if is_leaf && !self.is_convex && self.aim.graze(sight.gap, due.time, || -self.rate(&sight)) {
+                grazing.push(due);
+                continue;
             }
             if is_leaf || sight.gap > CLOSE * sight.ball.radius {
                 let time = due.time + self.safe_step(&sight, self.aim.max_time - due.time);
@@ -133,6 +161,52 @@ impl<F: SignedDistance> Cast<'_, F> {
         }
         let safe = heap.peek().map(|due| due.time);
         safe.map_or(TimeOfImpact::NoHit, |time| TimeOfImpact::Undecided { safe_time: rounded_down(time) })
+    }
+
+    /// The first impact before `end` (s) of balls that pass by close to the solid, as far as it is found in [`GRAZING_VISITS`].
+    ///
+    /// Advanced by their gap a slab of 10,000 spheres that slides over a mesh would use up all visits within centimetres. They do
+    /// not go deep into what they pass by, so they may go in a little before they are looked at again: what stands in their way is found
+    /// then.
+    fn first_of_grazing(&mut self, grazing: &[Due], mut end: f64) -> Option<Impact> {
+        let (mut first, mut visits) = (None, GRAZING_VISITS);
+        for due in grazing {
+            let (mut before, mut due) = (due.time, *due);
+            while due.time < end && visits > 0 {
+                visits -= 1;
+                let Some(sight) = self.sight(&due) else { break };
+                if self.hits(&due, &sight) {
+                    let (last, sight) = self.first_hit(before, (due, sight));
+                    end = last.time;
+                    first = Some(self.impact(&last, &sight));
+                    break;
+                }
+                let room = sight.gap + GRAZING_DEPTH * sight.ball.radius;
+                if room <= 0.0 {
+                    break;
+                }
+                before = due.time;
+                due.time += self.time_to_go(&sight, room);
+            }
+        }
+        first
+    }
+
+    fn hits(&self, due: &Due, sight: &Sight) -> bool {
+        sight.gap <= self.aim.close && self.aim.counts(due.time, || -self.rate(sight))
+    }
+
+    /// When a ball that does not hit `before` (s), and does at `hit`, last does not, and what it hits.
+    fn first_hit(&mut self, mut before: f64, mut hit: (Due, Sight)) -> (Due, Sight) {
+        let nodes = hit.0.nodes;
+        for _ in 0..HALVINGS {
+            let middle = Due { time: before.midpoint(hit.0.time), nodes };
+            match self.sight(&middle) {
+                Some(sight) if self.hits(&middle, &sight) => hit = (middle, sight),
+                _ => before = middle.time,
+            }
+        }
+        (Due { time: before, nodes }, hit.1)
     }
 
     /// `None` where they cannot meet in the rest of the time.
@@ -187,13 +261,13 @@ impl<F: SignedDistance> Cast<'_, F> {
         if sight.gap <= 0.0 {
             return 0.0;
         }
+        if !self.is_convex {
+            return self.time_to_go(sight, sight.gap);
+        }
         let [a, b] = &self.movers;
         let turning = a.spin.cross(sight.ball.arm).length();
         let speed = self.speed(&sight.ball);
         let (spin, distance) = (b.spin.length(), sight.offset.length());
-        if !self.is_convex {
-            return time_to_close(sight.gap, -(speed + spin * distance), spin * speed);
-        }
         let mut acceleration = a.spin.length() * turning;
         let mut horizon = f64::INFINITY;
         if spin > 0.0 {
@@ -209,6 +283,12 @@ impl<F: SignedDistance> Cast<'_, F> {
         } else {
             horizon
         }
+    }
+
+    /// A time in which the ball goes no farther than `way` (m), in B's frame.
+    fn time_to_go(&self, sight: &Sight, way: f64) -> f64 {
+        let (speed, spin) = (self.speed(&sight.ball), self.movers[1].spin.length());
+        time_to_close(way, -(speed + spin * sight.offset.length()), spin * speed)
     }
 
     fn impact(&self, due: &Due, sight: &Sight) -> Impact {

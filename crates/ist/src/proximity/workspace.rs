@@ -21,6 +21,8 @@ pub struct ProximityWorkspace {
     pub(super) by_gap: BinaryHeap<Candidate>,
     /// Pairs of nodes by the time before which they do not meet.
     pub(super) due: BinaryHeap<Due>,
+    /// Those that pass by close to the other solid, and since when.
+    pub(super) grazing: Vec<Due>,
     /// Pairs of spheres that bound a separating translation.
     pub(super) contacts: Vec<Contact>,
     pub(super) overlap: OverlapWorkspace,

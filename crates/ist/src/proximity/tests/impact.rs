@@ -16,7 +16,7 @@ fn gap_at(trees: [&InnerSphereTree; 2], motions: &[RigidMotion; 2], time: f32, k
     reference::distance(trees[0], trees[1], &(a.inverse() * b), kind).gap
 }
 
-fn hit(result: TimeOfImpact) -> Impact {
+pub(super) fn hit(result: TimeOfImpact) -> Impact {
     match result {
         TimeOfImpact::Hit(impact) => impact,
         other => panic!("{other:?}"),

@@ -1,5 +1,6 @@
 //! Time of impact with solids of known distance.
 
+use super::impact::hit;
 use super::*;
 use crate::{SurfaceDistance, reference};
 
@@ -102,6 +103,35 @@ fn a_ball_that_passes_by_takes_few_visits() {
     let near = ImpactOptions { tolerance: 0.02, ..few };
     let any = ball(1.0).time_of_surface_impact(wall, &motions, &near, &mut workspace);
     assert!(matches!(any, TimeOfImpact::Hit(_)), "{any:?}");
+}
+
+#[test]
+fn what_passes_by_close_hits_what_stands_in_its_way() {
+    let corner = |p: Vec3| {
+        let (up, ahead) = (p.y, 5.0 - p.x);
+        if up < ahead {
+            SurfaceDistance { distance: up, outward: Vec3::Y }
+        } else {
+            SurfaceDistance { distance: ahead, outward: Vec3::NEG_X }
+        }
+    };
+    let options = ImpactOptions { ignored_depth: 0.5, max_visits: 1, ..ImpactOptions::default() };
+    let mut workspace = ProximityWorkspace::default();
+    for gap in [0.001_f32, 0.01, 0.1, 0.4] {
+        for speed in [5.0_f32, 100.0] {
+            let past = RigidMotion {
+                linear_velocity: Vec3::X * speed,
+                ..RigidMotion::at_rest(Pose3::from_translation(Vec3::Y * (1.0 + gap)))
+            };
+            let motions = [past, RigidMotion::at_rest(Pose3::IDENTITY)];
+            let found = hit(ball(1.0).time_of_surface_impact(corner, &motions, &options, &mut workspace));
+            let late = found.time * speed - 4.0;
+            assert!(
+                (-1e-3..=1e-5).contains(&late) && found.normal == Vec3::X,
+                "{gap} m, {speed} m/s: {found:?}"
+            );
+        }
+    }
 }
 
 /// It was advanced in steps of its gap, until no visit was left.
