@@ -13,6 +13,7 @@ use super::{Impact, ImpactOptions, ProximityWorkspace, RigidMotion, TimeOfImpact
 use crate::tree::WIDTH;
 use crate::{InnerSphereTree, SignedDistance};
 use alloc::collections::BinaryHeap;
+use alloc::vec::Vec;
 use glam::DVec3;
 
 /// Tolerance of contact, relative to the radius of the tree's bounding ball, where none larger is asked for: distances of
