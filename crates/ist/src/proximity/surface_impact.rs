@@ -173,7 +173,7 @@ impl<F: SignedDistance> Cast<'_, F> {
         let (mut first, mut visits) = (None, GRAZING_VISITS);
         for due in grazing {
             let (mut before, mut due) = (due.time, *due);
-            while due.time < end && visits > 0 {
+            while visits > 0 {
                 visits -= 1;
                 let Some(sight) = self.sight(&due) else { break };
                 if self.hits(&due, &sight) {
@@ -183,11 +183,11 @@ impl<F: SignedDistance> Cast<'_, F> {
                     break;
                 }
                 let room = sight.gap + GRAZING_DEPTH * sight.ball.radius;
-                if room <= 0.0 {
+                if room <= 0.0 || due.time >= end {
                     break;
                 }
                 before = due.time;
-                due.time += self.time_to_go(&sight, room);
+                due.time = (due.time + self.time_to_go(&sight, room)).min(end);
             }
         }
         first

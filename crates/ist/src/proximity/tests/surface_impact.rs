@@ -134,6 +134,57 @@ fn what_passes_by_close_hits_what_stands_in_its_way() {
     }
 }
 
+/// A corner of a room: inside it all three coordinates are positive.
+fn corner(point: Vec3) -> SurfaceDistance {
+    let wall = if point.x < point.y { 0 } else { 1 };
+    let wall = if point.z < point[wall] { 2 } else { wall };
+    SurfaceDistance { distance: point[wall], outward: Vec3::AXES[wall] }
+}
+
+proptest! {
+    /// Of the walls that a ball comes near it may go deep into any: into the first one, or into the second while it passes along the
+    /// first.
+    #[test]
+    fn what_goes_deep_is_stopped_before_and_nothing_else(
+        tree in random_tree(40), gaps in prop::array::uniform3(0.001_f32..3.0), velocity in prop::array::uniform3(-8.0_f32..2.0),
+        share in 0.05_f32..0.4,
+    ) {
+        let balls = reference::balls(&tree, BallKind::Inner);
+        let smallest = balls.iter().map(|(_, r)| *r).fold(f32::INFINITY, f32::min);
+        let ignored_depth = share * smallest;
+        let lower = balls.iter().map(|(c, r)| c - r).fold(Vec3::INFINITY, Vec3::min);
+        let start = Vec3::from_array(gaps) - lower;
+        let velocity = Vec3::from_array(velocity);
+        let moving = RigidMotion {
+            linear_velocity: velocity,
+            ..RigidMotion::at_rest(Pose3::from_translation(start))
+        };
+        let options = ImpactOptions { ignored_depth, ..ImpactOptions::default() };
+        let motions = [moving, RigidMotion::at_rest(Pose3::IDENTITY)];
+        let found = tree.time_of_surface_impact(corner, &motions, &options, &mut Default::default());
+        let (time, is_hit) = match found {
+            TimeOfImpact::Hit(impact) => (impact.time, true),
+            TimeOfImpact::NoHit => (1.0, false),
+            TimeOfImpact::Undecided { .. } => return Err(TestCaseError::fail("undecided")),
+        };
+        let rounding = 1e-4 * (1.0 + start.abs().max_element());
+        let mut nearest = f32::INFINITY;
+        for (center, radius) in balls {
+            for wall in 0..3 {
+                let (gap, speed) = ((center + start)[wall] - radius, -velocity[wall]);
+                // The least depths that certainly count, and that may.
+                if speed - gap > ignored_depth + rounding {
+                    prop_assert!(time * speed - gap < ignored_depth + rounding, "{} of {:?}, {}", wall, velocity, time);
+                }
+                if speed - gap > ignored_depth - rounding {
+                    nearest = nearest.min(gap - time * speed);
+                }
+            }
+        }
+        prop_assert!(!is_hit || nearest < rounding, "nothing is nearer than {} at {}", nearest, time);
+    }
+}
+
 /// It was advanced in steps of its gap, until no visit was left.
 #[test]
 fn issue_what_passes_by_is_passed_over_if_asked_for() {
