@@ -144,7 +144,7 @@ fn issue_fast_bodies_in_contact_move_at_their_velocity() {
     for (name, shape, height, turned, rolls) in [
         ("ring", super::ring(1000), 0.15, upright, true),
         ("slab", super::slab(), 0.05, Vec3::ZERO, false),
-        // More spheres lie closer to the ground: they were held back to two thirds of 3 m/s.
+        // More spheres lie closer to the ground: they were held back to four fifths of 3 m/s.
         ("slab of 10,000 spheres", fine, 0.05, Vec3::ZERO, false),
     ] {
         for speed in [1.0, 3.0, 10.0, 30.0] {

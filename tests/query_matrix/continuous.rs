@@ -63,15 +63,20 @@ fn a_fast_body_goes_through_no_thin_plate_under_the_penalty() {
     stops(ContactModel::default());
 }
 
+/// Corners of a ground at y = 0, and its triangles.
+fn ground() -> ([Vector; 4], [[u32; 3]; 2]) {
+    let corners = [(-1.0, -2.0), (9.0, -2.0), (9.0, 2.0), (-1.0, 2.0)];
+    (corners.map(|(x, z)| Vector::new(x, 0.0, z)), [[0, 2, 1], [0, 3, 2]])
+}
+
 /// What is passed over close along the ground may not let the body through what stands on it.
 #[test]
 fn a_fast_body_close_to_the_ground_goes_through_no_plate_on_it() {
-    let ground = [(-1.0, -2.0), (9.0, -2.0), (9.0, 2.0), (-1.0, 2.0)].map(|(x, z)| Vector::new(x, 0.0, z));
+    let (corners, halves) = ground();
     let (plate, sides) = SharedShape::cuboid(0.0025, 0.5, 0.5).as_cuboid().unwrap().to_trimesh();
     let vertices =
-        ground.into_iter().chain(plate.into_iter().map(|v| v + Vector::new(4.3, 0.5, 0.0))).collect();
-    let triangles =
-        [[0, 2, 1], [0, 3, 2]].into_iter().chain(sides.into_iter().map(|t| t.map(|i| i + 4))).collect();
+        corners.into_iter().chain(plate.into_iter().map(|v| v + Vector::new(4.3, 0.5, 0.0))).collect();
+    let triangles = halves.into_iter().chain(sides.into_iter().map(|t| t.map(|i| i + 4))).collect();
     let scene = SharedShape::trimesh(vertices, triangles).unwrap();
     let (block, _) = solid(&[-0.1, 0.1].map(|y| (Vector::new(0.0, y, 0.0), 0.1)));
     let (ball, _) = solid(&[(Vector::ZERO, 0.1)]);
@@ -100,12 +105,12 @@ fn a_fast_body_close_to_the_ground_goes_through_no_plate_on_it() {
     }
 }
 
-/// Rapier held it back to a third of its velocity: next to a triangle mesh the time of impact of so many balls was not found
+/// Rapier held it back to a twelfth of its velocity, 0.1 mm above: next to a triangle mesh the time of impact of so many balls was not found
 /// out, and what is not known not to meet has to stop.
 #[test]
 fn issue_a_fast_body_slides_close_along_a_mesh() {
-    let corners = [(-1.0, -1.0), (9.0, -1.0), (9.0, 1.0), (-1.0, 1.0)].map(|(x, z)| Vector::new(x, 0.0, z));
-    let mesh = SharedShape::trimesh(corners.to_vec(), vec![[0, 2, 1], [0, 3, 2]]).unwrap();
+    let (corners, halves) = ground();
+    let mesh = SharedShape::trimesh(corners.to_vec(), halves.to_vec()).unwrap();
     let place = |i: i32| i as f32 * 0.02;
     let row = |i: i32| (-10..=10).map(move |j| (Vector::new(place(i), 0.0, place(j)), 0.01));
     let (sheet, _) = solid(&(-10..=10).flat_map(row).collect::<Vec<_>>());

@@ -191,8 +191,8 @@ impl Aim {
         ignored == f64::NEG_INFINITY || speed() * (self.max_time - time) > ignored
     }
 
-    /// Whether balls with this `gap` (m) beyond the target, which approach at `speed` (m/s) at `time` (s), come as near as the depth
-    /// that they would have to go to and do not get there.
+    /// Whether balls with this `gap` (m) beyond the target, negative where they are in contact, which approach at `speed` (m/s) at `time` (s),
+    /// are as near as the depth that counts later and do not get there by the end.
     pub(super) fn graze(&self, gap: f64, time: f64, speed: impl FnOnce() -> f64) -> bool {
         let ignored = self.ignored[1];
         gap <= ignored && speed() * (self.max_time - time) - gap <= ignored

@@ -3,7 +3,8 @@
 //! As for two trees ([`super::impact`]): nodes wait by the time before which they cannot meet the solid. A ball cannot meet it
 //! before it has gone the distance between them in some direction. A convex solid lies behind the plane through its point
 //! nearest to the ball's centre, and a ball cannot meet it before it meets that plane, which moves with the solid: a ball that
-//! passes by close to a face is done in a few steps.
+//! passes by close to a face is done in a few steps. Next to another solid it would take as many as it goes its distance from it: where
+//! impacts that do not go deep are to be ignored, such balls are followed in steps of their size instead.
 
 use super::impact::{Aim, Due, rounded_down};
 use super::motion::{Mover, MovingBall, Snapshot};
@@ -26,15 +27,17 @@ const ROUNDING: f64 = 1e-6;
 /// Nodes are opened when their gap is less than this part of their radius.
 const CLOSE: f64 = 0.1;
 
-/// Visits for balls that graze the solid, see [`Cast::first_of_grazing`], and how far they go in at most between two of them, as a share of
-/// their radius: what they meet must not be behind their centres by then.
-///
-/// A ball of 0.1 m takes seven visits on its way of 0.5 m along a floor. Of 900 balls of 5 mm on a way of 17 cm the first 50 are followed to
-/// their ends; bodies of that many have others that are not next to the floor.
-const GRAZING_VISITS: usize = 4096;
+/// How far a ball that grazes the solid goes in at most between two looks, as a share of its radius: what stands in its way must not be
+/// behind its centre by then. Not tuned.
 const GRAZING_DEPTH: f64 = 0.5;
 
-/// Halvings of the last step of a grazing ball before it hits something.
+/// Visits for all balls that graze the solid, see [`Cast::first_of_grazing`]. On a way w a ball of radius r takes about w / (gap + r/2).
+///
+/// A slab of 1,000 / 10,000 / 30,000 spheres that slides over a mesh at 10 m/s takes 3.0 / 12.0 / 31.8 ms a step, and 1.8 / 10.6 / 29.4 ms
+/// if these balls are not followed at all. Bodies of that many have others, not next to the ground, that meet what stands in the way.
+const GRAZING_VISITS: usize = 4096;
+
+/// Halvings of the last step of a grazing ball before it hits something. Not tuned.
 const HALVINGS: usize = 12;
 
 /// How far ahead a step looks where the solid turns, in multiples of the time that the gap takes at the present speed.
@@ -50,7 +53,8 @@ impl InnerSphereTree {
     ///
     /// A ball that passes by B at a small distance takes about as many visits as it goes that distance. Where B is convex
     /// use [`Self::time_of_convex_impact`]; else a tolerance bounds the visits, and so does [`ImpactOptions::ignored_depth`]: balls
-    /// that come that near and go no deeper are followed in steps of their size, and only 4,096 of these.
+    /// that come that near and go no deeper are followed in steps of their size. What they meet after 4,096 of these in all, or after they
+    /// have gone in by half their radius, is not told.
     #[must_use]
     pub fn time_of_surface_impact(
         &self,
@@ -193,8 +197,9 @@ impl<F: SignedDistance> Cast<'_, F> {
         first
     }
 
+    /// Whether a ball that grazed the solid is in contact with what it goes deep into by the end. How deep it is already counts as well.
     fn hits(&self, due: &Due, sight: &Sight) -> bool {
-        sight.gap <= self.aim.close && self.aim.counts(due.time, || -self.rate(sight))
+        sight.gap <= self.aim.close && !self.aim.graze(sight.gap, due.time, || -self.rate(sight))
     }
 
     /// When a ball that does not hit `before` (s), and does at `hit`, last does not, and what it hits.
@@ -216,10 +221,14 @@ impl<F: SignedDistance> Cast<'_, F> {
         let ball = now.ball(due.nodes.level[0].into(), due.nodes.node[0] as usize);
         let (rotation, center, local_center) = self.movers[1].frame_at(due.time);
         let offset = ball.center - center;
-        let local = rotation.inverse() * offset + local_center;
+        let local = (rotation.inverse() * offset + local_center).as_vec3();
+        // A motion without an end leads out of single precision.
+        if !local.is_finite() {
+            return None;
+        }
         let way = self.longest_way(&ball, offset, self.aim.max_time - due.time);
         let reach = ((ball.radius + self.aim.target + way) * (1.0 + ROUNDING)) as f32;
-        let seen = self.surface.distance_within(local.as_vec3(), reach);
+        let seen = self.surface.distance_within(local, reach);
         if seen.distance >= reach {
             return None;
         }

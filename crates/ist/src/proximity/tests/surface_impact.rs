@@ -105,40 +105,49 @@ fn a_ball_that_passes_by_takes_few_visits() {
     assert!(matches!(any, TimeOfImpact::Hit(_)), "{any:?}");
 }
 
+/// A corner of a room: inside it all three coordinates are positive.
+fn corner(point: Vec3) -> SurfaceDistance {
+    let wall = if point.x < point.y { 0 } else { 1 };
+    let wall = if point.z < point[wall] { 2 } else { wall };
+    SurfaceDistance { distance: point[wall], outward: Vec3::AXES[wall] }
+}
+
 #[test]
 fn what_passes_by_close_hits_what_stands_in_its_way() {
-    let corner = |p: Vec3| {
-        let (up, ahead) = (p.y, 5.0 - p.x);
-        if up < ahead {
-            SurfaceDistance { distance: up, outward: Vec3::Y }
-        } else {
-            SurfaceDistance { distance: ahead, outward: Vec3::NEG_X }
-        }
-    };
     let options = ImpactOptions { ignored_depth: 0.5, max_visits: 1, ..ImpactOptions::default() };
     let mut workspace = ProximityWorkspace::default();
     for gap in [0.001_f32, 0.01, 0.1, 0.4] {
-        for speed in [5.0_f32, 100.0] {
+        for speed in [6.0_f32, 100.0] {
             let past = RigidMotion {
-                linear_velocity: Vec3::X * speed,
-                ..RigidMotion::at_rest(Pose3::from_translation(Vec3::Y * (1.0 + gap)))
+                linear_velocity: Vec3::NEG_X * speed,
+                ..RigidMotion::at_rest(Pose3::from_translation(Vec3::new(5.0, 1.0 + gap, 9.0)))
             };
             let motions = [past, RigidMotion::at_rest(Pose3::IDENTITY)];
             let found = hit(ball(1.0).time_of_surface_impact(corner, &motions, &options, &mut workspace));
             let late = found.time * speed - 4.0;
             assert!(
-                (-1e-3..=1e-5).contains(&late) && found.normal == Vec3::X,
+                (-1e-3..=1e-5).contains(&late) && found.normal == Vec3::NEG_X,
                 "{gap} m, {speed} m/s: {found:?}"
             );
         }
     }
 }
 
-/// A corner of a room: inside it all three coordinates are positive.
-fn corner(point: Vec3) -> SurfaceDistance {
-    let wall = if point.x < point.y { 0 } else { 1 };
-    let wall = if point.z < point[wall] { 2 } else { wall };
-    SurfaceDistance { distance: point[wall], outward: Vec3::AXES[wall] }
+/// Surfaces are asked about no point that is not finite.
+#[test]
+fn what_moves_away_for_ever_is_followed_to_no_infinity() {
+    let floor = |point: Vec3| {
+        assert!(point.is_finite(), "{point}");
+        SurfaceDistance { distance: point.y, outward: Vec3::Y }
+    };
+    let away = RigidMotion {
+        linear_velocity: Vec3::new(1.0, 0.1, 0.0),
+        ..RigidMotion::at_rest(Pose3::from_translation(Vec3::Y * 1.01))
+    };
+    let motions = [away, RigidMotion::at_rest(Pose3::IDENTITY)];
+    let options = ImpactOptions { ignored_depth: 0.5, max_time: f32::INFINITY, ..ImpactOptions::default() };
+    let found = ball(1.0).time_of_surface_impact(floor, &motions, &options, &mut Default::default());
+    assert_eq!(found, TimeOfImpact::NoHit);
 }
 
 proptest! {
