@@ -79,18 +79,19 @@ fn collide(shape: &IstShape, restitution: f32, seed: u16) -> Errors {
     errors
 }
 
+/// Rebounds were given about the centroid of the contact as it was before it was measured anew: one of 150 made energy, up to 0.39 of it.
 #[test]
 fn collisions_keep_both_momenta_and_make_no_energy() {
     let shape = jack();
     let mut failed = false;
     for restitution in [0.0, 0.5, 1.0] {
         let mut worst = Errors::default();
-        for seed in 0..20 {
+        for seed in 0..200 {
             let errors = collide(&shape, restitution, seed);
             worst.momentum = worst.momentum.max(errors.momentum);
             worst.spin = worst.spin.max(errors.spin);
             worst.energy = worst.energy.max(errors.energy);
-            worst.left += errors.left / 20.0;
+            worst.left += errors.left / 200.0;
         }
         println!(
             "e = {restitution}: momentum {:.1e}, angular momentum {:.1e}, energy rises by {:.1e}, {:.2} left",

@@ -20,6 +20,7 @@ mod slope;
 mod soak;
 mod stack;
 mod supports;
+mod towers;
 mod turning;
 
 use glam::{DVec3, Vec3};

@@ -10,9 +10,9 @@ use std::f32::consts::TAU;
 /// Inner radius of the drum (m).
 const DRUM: f32 = 0.45;
 
-/// A hollow ball with a hole, its axis along z: as a tree and as a triangle mesh.
+/// A hollow ball with a hole that no cube goes through, its axis along z: as a tree and as a triangle mesh.
 fn drums() -> [(&'static str, ColliderBuilder); 2] {
-    let mut mesh = shapes::bowl(f64::from(DRUM), 0.05, 0.8, 48);
+    let mut mesh = shapes::bowl(f64::from(DRUM), 0.05, 0.888, 48);
     mesh.vertices.iter_mut().for_each(|v| *v = DVec3::new(v.x, -v.z, v.y));
     let vertices = mesh.vertices.iter().map(|v| v.as_vec3()).collect();
     let triangles = ColliderBuilder::trimesh(vertices, mesh.triangles.clone()).unwrap();

@@ -57,7 +57,7 @@ fn filters_decide_and_only_those_that_want_to() {
 #[test]
 fn a_hook_that_is_switched_on_later_is_asked() {
     let (mut world, mut plugin) = grounded();
-    let (body, collider) = world.insert(dynamic(Vector::Y * 0.1), ball_collider());
+    let (body, collider) = world.insert(dynamic(Vector::Y * 0.1).can_sleep(false), ball_collider());
     let forbid = Answer::new(None);
     for step in 0..60 {
         if step == 30 {

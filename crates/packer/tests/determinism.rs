@@ -24,7 +24,7 @@ const PACKINGS: [(&str, u32); 2] = [("bunny", 2_223_080_614), ("pinion_gear", 3_
 const QUERIES: [(&str, u32); 6] = [
     ("overlap", 3_957_287_490),
     ("cached overlap", 2_919_127_837),
-    ("samples", 333_683_965),
+    ("samples", 3_736_660_009),
     ("time-critical", 2_024_979_025),
     ("proximity", 1_682_223_568),
     ("impact", 2_750_706_955),
@@ -109,6 +109,7 @@ fn queries(trees: &[InnerSphereTree; 2], poses: &[Pose3]) -> [u32; 6] {
         .iter()
         .map(|pose| {
             a.contact_samples(b, pose, overlap_space, &mut samples);
+            a.flush_contact_samples(b, pose, overlap_space, &mut samples);
             a.contact_patches(b, pose, overlap_space, &mut patches);
             patches.clone()
         })

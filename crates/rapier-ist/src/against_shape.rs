@@ -18,7 +18,7 @@ pub(crate) fn contact_samples(
     pose: &Pose,
     samples: &mut Vec<ContactSample>,
 ) -> Real {
-    solid.contact_samples_with_surface(surface_of(other, pose), samples)
+    solid.flush_contact_samples_with_surface(surface_of(other, pose), samples)
 }
 
 /// The surface of `shape` at `pose`.

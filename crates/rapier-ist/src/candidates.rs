@@ -36,6 +36,16 @@ pub(crate) struct Candidate {
     pub(crate) is_driven: bool,
     /// Whether they were apart where they were last measured in this step.
     pub(crate) was_apart: bool,
+    /// Whether they are to be measured at the end of their displacements, however long their way is.
+    pub(crate) is_at_end: bool,
+}
+
+impl Candidate {
+    /// To be measured half-way between the end of its displacements and that of `displacements`.
+    pub(crate) fn half_way_from(&self, displacements: [Displacement; 2]) -> Self {
+        let half_way = |i: usize| self.displacements[i].half_way_from(&displacements[i]);
+        Self { displacements: [0, 1].map(half_way), is_at_end: true, ..*self }
+    }
 }
 
 /// All pairs whose boxes overlap, or would if what else overlaps one of them pushed it as far as it can, and which Rapier would let
@@ -203,6 +213,7 @@ impl Filter<'_> {
                 is_distant: clearance > 0.0,
                 is_driven: false,
                 was_apart: false,
+                is_at_end: false,
             });
         }
     }

@@ -127,6 +127,7 @@ mod plugin;
 mod query;
 #[cfg(feature = "mcap")]
 pub mod record;
+mod remeasure;
 mod remembered;
 #[cfg(feature = "mcap")]
 pub mod replay;

@@ -47,6 +47,11 @@ impl Displacement {
         Self { center: self.center, screw: self.screw * share }
     }
 
+    /// To half-way between the end of this and that of another of the same body.
+    pub(crate) fn half_way_from(&self, other: &Self) -> Self {
+        Self { center: self.center, screw: (self.screw + other.screw) * 0.5 }
+    }
+
     /// No point within `radius` of the centre of mass moves farther than this relative to one that moves with
     /// `other` (m), but for terms of second order.
     pub(crate) fn reach(&self, other: &Self, radius: Real) -> f64 {

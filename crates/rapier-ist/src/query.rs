@@ -1,6 +1,6 @@
 //! Contact samples of all candidate pairs, in the world frame.
 
-use crate::arrival::{has_another, may_hold, shares};
+use crate::arrival::{self, has_another, may_hold, shares};
 use crate::candidates::Candidate;
 use crate::containment::agree_on_direction;
 use crate::dispatcher::with_workspace;
@@ -24,6 +24,8 @@ pub(crate) struct Contact {
     pub(crate) displacements: [Displacement; 2],
     /// World frame; normals from the first collider to the second.
     pub(crate) samples: Vec<ContactSample>,
+    /// Whether it is shallow, on the way, and over where the way was looked at next.
+    pub(crate) is_graze: bool,
 }
 
 /// Runs the overlap query of every candidate, in parallel with feature `parallel`, and keeps the order. Tells the candidates
@@ -56,8 +58,11 @@ fn contact(colliders: &ColliderSet, candidate: &mut Candidate) -> Option<Contact
     let mut found: Option<Contact> = None;
     let mut clearance = 0.0;
     let mut skipped = 0;
+    // A contact that has just begun may be the rim of one: the next look decides.
+    let mut is_shallow = false;
     for share in shares(shapes, candidate, skin) {
-        if found.is_some() && skipped < SKIPPED && share < 1.0 {
+        let is_later = found.is_some() && !is_shallow;
+        if is_later && skipped < SKIPPED && share < 1.0 {
             skipped += 1;
             continue;
         }
@@ -66,16 +71,19 @@ fn contact(colliders: &ColliderSet, candidate: &mut Candidate) -> Option<Contact
         let poses = [0, 1].map(|i| displacements[i].apply(&candidate.poses[i]));
         let mut samples = Vec::new();
         clearance = measure((&solids, shapes), &poses, &mut samples);
-        let is_later = found.is_some();
         let is_wanted = match &found {
-            Some(first) => has_another(shapes, candidate, share, [&first.samples, &samples]),
-            None => !samples.is_empty(),
+            Some(first) if is_later => has_another(shapes, candidate, share, [&first.samples, &samples]),
+            _ => !samples.is_empty(),
         };
         if is_wanted {
-            found = Some(Contact { candidate: *candidate, displacements, samples });
-            if is_later || !may_hold(shapes) {
+            is_shallow = !is_later && arrival::is_shallow(shapes, candidate, &samples);
+            found = Some(Contact { candidate: *candidate, displacements, samples, is_graze: false });
+            if is_later || !is_shallow && !may_hold(shapes) {
                 break;
             }
+        } else if is_shallow {
+            found.iter_mut().for_each(|contact| contact.is_graze = true);
+            break;
         }
     }
     if found.is_none() {
@@ -98,7 +106,7 @@ fn measure(
             let ((center_a, radius_a), (center_b, radius_b)) =
                 (solid_a.bounding_ball(), solid_b.tree().bounding_ball());
             with_workspace(|workspace| {
-                solid_a.contact_samples(solid_b.tree(), &pose, &mut workspace.overlap, samples);
+                solid_a.flush_contact_samples(solid_b.tree(), &pose, &mut workspace.overlap, samples);
             });
             agree_on_direction([solid_a, solid_b.tree()], samples);
             to_world(samples, pose_a, 1.0);

@@ -51,7 +51,8 @@ pub struct PairContact {
     pub collider_b: ColliderHandle,
     /// Whether the contact is new.
     pub state: ContactState,
-    /// Overlap volume (m³).
+    /// Overlap volume (m³), counted from where contact begins, as in
+    /// [`flush_contact_samples`](ist::InnerSphereTree::flush_contact_samples).
     pub volume: f32,
     /// The greatest [depth](PatchContact::depth) of a patch (m).
     pub depth: f32,
@@ -73,8 +74,8 @@ pub struct PatchContact {
     pub pair: usize,
     /// Overlap volume (m³).
     pub volume: f32,
-    /// Penetration depth V/A (m), with A the patch's cross-section, and at most the extent of the overlap along the
-    /// patch's push: a body wholly inside another has no cross-section.
+    /// Penetration depth V/A (m), with A the patch's cross-section, which is the derivative of V by the way, and at
+    /// most the extent of the overlap along the patch's push: a body wholly inside another has no cross-section.
     pub depth: f32,
     /// Centroid of this part of the overlap (m).
     pub centroid: Vector,

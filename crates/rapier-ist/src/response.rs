@@ -6,6 +6,7 @@ use crate::contact_law::ContactLaw;
 use crate::memory::Memory;
 use crate::penalty::{JointForces, JointWrench, PairContacts, Screw, SolverBody};
 use crate::query::{Contact, contacts};
+use crate::remeasure::remeasure;
 use crate::solution::{Solution, Solved, Start, solve};
 use crate::user_forces::{BodyForce, JointForce, Pushes};
 use crate::waking::wake_touched_bodies;
@@ -48,20 +49,9 @@ pub(crate) fn respond(
             break solution;
         }
         let stale = solution.stale(world, &bodies, &mut candidates, &found);
-        let mut moved: Vec<Candidate> = stale.iter().map(|&index| candidates[index]).collect();
-        let next = timed(&mut report.query_seconds, || contacts(world.colliders, &mut moved));
-        for (&index, moved) in stale.iter().zip(&moved) {
-            candidates[index] = *moved;
-        }
-        // Where what pushed a pair apart overlaps no more its tangent still holds.
-        let mut solved = solution.solved.iter();
-        let solved: Vec<_> = found.iter().map(|found| found.as_ref().and_then(|_| solved.next())).collect();
-        let anew: Vec<_> = (stale.into_iter().zip(next))
-            .filter(|(index, next)| {
-                next.as_ref()
-                    .is_some_and(|next| solved[*index].is_none_or(|solved| solved.still_pushes(next)))
-            })
-            .collect();
+        let anew = timed(&mut report.query_seconds, || {
+            remeasure(world.colliders, &solution, stale, (&mut candidates, &found))
+        });
         if anew.is_empty() && !solution.has_rebounds() {
             break solution;
         }
@@ -73,7 +63,7 @@ pub(crate) fn respond(
             rounds = MAX_ROUNDS + 1;
         }
         for (index, next) in anew {
-            (found[index], known[index]) = (next, None);
+            (found[index], known[index]) = (Some(next), None);
         }
         round += 1;
     };

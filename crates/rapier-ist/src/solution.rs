@@ -33,11 +33,11 @@ pub(crate) struct Solution {
 /// A contact is measured again where it moved by more than this share of its depth from where it was measured. Not tuned.
 const STALE: f64 = 0.25;
 
-/// A pair that did not touch is looked at again where it moved by more than this share of its size, how far it was apart, and what
-/// gravity moves a body by in a step, from where it was. Not tuned.
+/// A pair that did not touch is looked at again where it moved by more than this share of its size, and how far it was apart, from where it
+/// was. Not tuned.
 ///
-/// Gravity alone is not looked ahead: what is about to touch would be measured twice. Without that term rebounds, stacks, heaps and the pile
-/// of gears are as far from their goals as with it.
+/// That includes what gravity moves it by: contacts begin at the surface, and what lies on another at rest would part from it in every other
+/// step.
 const STALE_GAP: f64 = 1e-3;
 
 /// Share of the forces of a pair from which on a patch has to be there in a new measurement.
@@ -83,7 +83,6 @@ impl Solution {
                 (state.predicted + state.root_times(self.states[body])) * dt,
             )
         };
-        let fall = f64::from(world.gravity.length()) * dt * dt;
         let mut strains = vec![0.0; candidates.len()];
         let touching = (0..found.len()).filter(|&index| found[index].is_some());
         for (solved, index) in self.solved.iter().zip(touching) {
@@ -96,7 +95,7 @@ impl Solution {
                 Some(_) => strains[index] > STALE,
                 None => {
                     let [a, b] = [0, 1].map(|i| displacements[i] - candidate.displacements[i]);
-                    let near = STALE_GAP * f64::from(candidate.size) + f64::from(candidate.clearance) + fall;
+                    let near = STALE_GAP * f64::from(candidate.size) + f64::from(candidate.clearance);
                     a.reach(&b, candidate.size) > near
                 }
             };
@@ -152,8 +151,9 @@ pub(crate) fn solve(
         .collect();
     let new = |index: usize, material: Material| {
         let contact = contacts[index];
-        let PairMemory { impact, carried, .. } = of(index, before);
-        let memory = PairMemory { impact, carried, ..of(index, last) };
+        let last = of(index, last);
+        let PairMemory { impact, carried, .. } = of(index, before).about(last.origin);
+        let memory = PairMemory { impact, carried, ..last };
         let states = pairs[index].map(|body| &bodies.states[body]);
         PairContacts::new(states, (material, memory), contact, dt)
     };
@@ -238,6 +238,11 @@ impl Solved {
             .pushes()
             .filter(|push| push.length() > NOTICEABLE * sum)
             .all(|push| next.samples.iter().any(|s| s.normal.as_dvec3().dot(push) > SAME_WAY * push.length()))
+    }
+
+    /// Whether it parts by restitution, or is about to.
+    pub(crate) fn is_rebounding(&self) -> bool {
+        self.contacts.is_rebounding()
     }
 
     fn should_rebound(&self) -> bool {

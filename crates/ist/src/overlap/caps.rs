@@ -8,6 +8,7 @@
 //! the surface. q = c − dn, and (ω × n)·n = 0, so c does as well as q for the torque, as does any point of the line.
 
 use super::cap::Cap;
+use super::flush::Flush;
 use super::totals::Totals;
 use super::{ContactSample, DeepestPair, ForceLaw, Overlap};
 use crate::tree::WIDTH;
@@ -78,14 +79,39 @@ impl InnerSphereTree {
         samples: &mut Vec<ContactSample>,
     ) -> f32 {
         self.for_each_cut_ball(&mut surface, |_, CutBall { center, surface, cap, .. }| {
-            samples.push(ContactSample {
-                point: center - surface.outward * cap.centroid as f32,
-                normal: -surface.outward,
-                volume: cap.volume as f32,
-                vector_area: surface.outward * -cap.base as f32,
-                outward: -surface.outward,
-            });
+            samples.push(cap_sample(center, surface.outward, &cap));
         })
+    }
+
+    /// As [`Self::contact_samples_with_surface`], but contact begins flush with the surface of A, as in
+    /// [`Self::flush_contact_samples`]. Distances are of balls that B does not cut; zero where one is cut and not in contact yet.
+    pub fn flush_contact_samples_with_surface(
+        &self,
+        mut surface: impl SignedDistance,
+        samples: &mut Vec<ContactSample>,
+    ) -> f32 {
+        let mut before = f32::INFINITY;
+        let clearance = self.for_each_cut_ball(&mut surface, |_, ball| {
+            let (outward, distance) = (ball.surface.outward, ball.surface.distance);
+            let radius = self.data().leaves[ball.index].radius() * self.unit() + self.skin();
+            let inner_radius = self.data().inner_radius[ball.index] * self.unit() + self.skin();
+            let shift = self.data().inner_center[ball.index] * self.unit() - ball.center;
+            let inner = inner_radius + self.contact_offset() - distance - shift.dot(outward);
+            let radius = f64::from(radius);
+            let Some(flush) = Flush::new(radius - f64::from(distance), inner.into(), radius) else {
+                before = 0.0;
+                return;
+            };
+            let cap = Cap::new(radius, radius - flush.height);
+            // It is as far from B's surface as it was.
+            let centroid = cap.centroid - (ball.cap.height - cap.height).max(0.0);
+            samples.push(cap_sample(
+                ball.center,
+                outward,
+                &Cap { base: cap.base * flush.slope, centroid, ..cap },
+            ));
+        });
+        clearance.min(before)
     }
 
     /// Sums over all balls that B cuts, at the tree's scale, and the one that is cut deepest. `share` is the part of A's own
@@ -167,5 +193,16 @@ impl InnerSphereTree {
             }
         }
         clearance
+    }
+}
+
+/// The sample of a ball at `center`.
+fn cap_sample(center: Vec3, outward: Vec3, cap: &Cap) -> ContactSample {
+    ContactSample {
+        point: center - outward * cap.centroid as f32,
+        normal: -outward,
+        volume: cap.volume as f32,
+        vector_area: outward * -cap.base as f32,
+        outward: -outward,
     }
 }

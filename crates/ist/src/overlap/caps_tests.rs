@@ -101,6 +101,33 @@ proptest! {
         prop_assert!(samples.iter().all(|s| normal.dot(s.point) <= offset + 1e-5));
     }
 
+    /// Volumes are those of all samples where the solid is deep inside, and end where no inner ball is within the offset.
+    #[test]
+    fn flush_contact_begins_at_the_inner_balls(
+        packing in random_packing(200), normal in random_direction(), offset in -1.0_f32..1.0,
+    ) {
+        let tree = InnerSphereTree::new(&packing);
+        let (mut all, mut flush) = (Vec::new(), Vec::new());
+        tree.contact_samples_with_surface(plane(normal, offset), &mut all);
+        let clearance = tree.flush_contact_samples_with_surface(plane(normal, offset), &mut flush);
+        let sum = |samples: &[ContactSample]| samples.iter().map(|s| s.volume).sum::<f32>();
+        prop_assert!(flush.len() <= all.len() && sum(&flush) <= sum(&all) * (1.0 + 1e-4));
+        prop_assert!(flush.len() == all.len() || clearance == 0.0);
+        prop_assert!(flush.iter().all(|s| s.vector_area.dot(normal) <= 0.0 && s.normal.dot(normal) < -0.99));
+        // As deep as the volume ball is, and the inner ball with the offset.
+        let deepest = packing.spheres().iter().map(|s| {
+            let depth = |center: Vec3, radius: f32| offset - normal.dot(center) + radius;
+            let (center, radius) = s.volume_ball();
+            depth(center, radius).min(depth(s.center, s.radius + tree.contact_offset()))
+        });
+        let deepest = deepest.fold(f32::NEG_INFINITY, f32::max);
+        prop_assert!(deepest.abs() < 1e-5 || flush.is_empty() == (deepest < 0.0), "{deepest}");
+        let mut deep = Vec::new();
+        tree.flush_contact_samples_with_surface(plane(normal, 10.0), &mut deep);
+        let whole: f32 = tree.volume_balls().map(|(_, radius)| 4.0 / 3.0 * core::f32::consts::PI * radius.powi(3)).sum();
+        prop_assert!((sum(&deep) - whole).abs() < 1e-3 * whole);
+    }
+
     #[test]
     fn the_gradient_against_a_ball_is_the_derivative(
         packing in random_packing(60), at in prop::array::uniform3(-1.0_f32..1.0),

@@ -4,6 +4,7 @@ mod batch;
 mod cache;
 mod cap;
 mod caps;
+pub(crate) mod flush;
 mod force_law;
 mod grid_engine;
 mod grid_search;
@@ -33,8 +34,8 @@ use glamx::Pose3;
 pub use query::{Engine, OverlapQuery};
 use relative_pose::RelativePose;
 pub use samples::ContactSample;
-use samples::LensSink;
 pub(crate) use samples::direction;
+use samples::{Lens, LensSink};
 pub use stiffness::StiffnessMatrix;
 #[cfg(feature = "std")]
 pub use time_critical::{Budget, OverlapEstimate, TimeCriticalWorkspace};
@@ -150,12 +151,49 @@ impl InnerSphereTree {
         samples: &mut Vec<ContactSample>,
     ) {
         let Some(pose) = RelativePose::new(self, other, pose) else { return };
+        self.samples_at(other, &pose, |lens, _| Some(*lens), (workspace, samples));
+    }
+
+    /// As [`Self::contact_samples`], but contact begins flush with the surfaces, where the inner balls of a pair meet along
+    /// the normal of the sample, and not where volume balls do, which reach out of the solids: for a penalty, under which bodies with flat
+    /// faces should stand on these.
+    ///
+    /// Contact begins by [`Self::contact_offset`] of both in front of the surfaces. Where it is some tenths of a radius
+    /// deep, samples are those of [`Self::contact_samples`]; before that volumes rise from zero, and cross-sections are steeper by as
+    /// much: a force in proportion to the volume, fitted by a square law, ends where the contact does.
+    pub fn flush_contact_samples(
+        &self,
+        other: &Self,
+        pose: &Pose3,
+        workspace: &mut OverlapWorkspace,
+        samples: &mut Vec<ContactSample>,
+    ) {
+        let Some(pose) = RelativePose::new(self, other, pose) else { return };
+        let trees = (self.data(), other.data());
+        self.samples_at(other, &pose, |lens, normal| lens.flush(trees, &pose, normal), (workspace, samples));
+    }
+
+    /// How far (m) in front of its surface contact with this solid begins, see [`Self::flush_contact_samples`]: a share of the mean
+    /// radius of its spheres.
+    #[must_use]
+    pub fn contact_offset(&self) -> f32 {
+        flush::allowance(self.data().mean_radius) * self.unit()
+    }
+
+    /// Samples by `law`, see [`samples::Lenses::append_samples`].
+    fn samples_at(
+        &self,
+        other: &Self,
+        pose: &RelativePose,
+        law: impl Fn(&Lens, Vec3) -> Option<Lens>,
+        (workspace, samples): (&mut OverlapWorkspace, &mut Vec<ContactSample>),
+    ) {
         let trees = (self.data(), other.data());
         let mut lenses = core::mem::take(&mut workspace.lenses);
         lenses.clear();
-        let mut sink = LensSink { lenses: &mut lenses, trees, pose: &pose };
-        for_each_pair(trees, &pose, workspace, &mut sink);
-        lenses.append_samples(trees, &pose, self.unit(), samples);
+        let mut sink = LensSink { lenses: &mut lenses, trees, pose };
+        for_each_pair(trees, pose, workspace, &mut sink);
+        lenses.append_samples(trees, (pose, self.unit()), law, samples);
         workspace.lenses = lenses;
     }
 }

@@ -5,10 +5,12 @@
 //! share a sphere with a lens are added up first; where they cancel, deep inside, the stored outward normals take
 //! over, continuously.
 
+use super::flush::{Flush, allowance};
 use super::lens_lanes::{LensLanes, PairLanes};
 use super::pairs::{PairBuffer, PairSink};
 use super::relative_pose::RelativePose;
 use super::sample_normals::SampleNormals;
+use crate::lens;
 use crate::simd_level::simd_level;
 use crate::tree::{TreeData, WIDTH};
 use alloc::vec::Vec;
@@ -80,12 +82,12 @@ impl Lenses {
         }
     }
 
-    /// Appends one sample per lens, with A at `scale`.
+    /// Appends one sample per lens, with A at `scale`, as `law` has it be from the lens and the normal of the sample.
     pub(super) fn append_samples(
         &mut self,
         (a, b): (&TreeData, &TreeData),
-        pose: &RelativePose,
-        scale: f32,
+        (pose, scale): (&RelativePose, f32),
+        law: impl Fn(&Lens, Vec3) -> Option<Lens>,
         samples: &mut Vec<ContactSample>,
     ) {
         for (sums, tree) in [(&mut self.of_a, a), (&mut self.of_b, b)] {
@@ -104,12 +106,15 @@ impl Lenses {
         dispatch!(simd_level(), simd => {
             for lenses in self.lenses.chunks(WIDTH) {
                 let normals = SampleNormals::new(simd, lenses, self, leaves, &pose.rotation);
-                samples.extend(lenses.iter().enumerate().map(|(lane, lens)| ContactSample {
-                    point: lens.centroid * scale,
-                    normal: normals.normal(lane),
-                    volume: lens.volume * scale * scale * scale,
-                    vector_area: lens.axis * lens.area * scale * scale,
-                    outward: normals.outward(lane),
+                samples.extend(lenses.iter().enumerate().filter_map(|(lane, lens)| {
+                    let normal = normals.normal(lane);
+                    law(lens, normal).map(|lens| ContactSample {
+                        point: lens.centroid * scale,
+                        normal,
+                        volume: lens.volume * scale * scale * scale,
+                        vector_area: lens.axis * lens.area * scale * scale,
+                        outward: normals.outward(lane),
+                    })
                 }));
             }
         });
@@ -120,6 +125,42 @@ impl Lenses {
         let [in_a, in_b] = lens.spheres.map(|sphere| sphere as usize);
         let (of_a, of_b) = (self.of_a[in_a], self.of_b[in_b]);
         Sum { gradient: of_a.gradient + of_b.gradient, area: of_a.area + of_b.area }
+    }
+}
+
+impl Lens {
+    /// The lens of a contact that begins at the surface, see [`super::flush`]; `None` where it has not begun.
+    pub(super) fn flush(
+        &self,
+        (a, b): (&TreeData, &TreeData),
+        pose: &RelativePose,
+        normal: Vec3,
+    ) -> Option<Self> {
+        let [i, j] = self.spheres.map(|sphere| sphere as usize);
+        let (ball_a, ball_b) = (&a.leaves[i], &b.leaves[j]);
+        let (radius_a, radius_b) =
+            (ball_a.radius() + pose.skin_a, ball_b.radius() * pose.scale + pose.skin_b);
+        let way = pose.transform_point(ball_b.center()) - ball_a.center();
+        let height = radius_a + radius_b - way.length();
+        let inner_way = pose.transform_point(b.inner_center[j]) - a.inner_center[i];
+        let inner_radii = a.inner_radius[i] + pose.skin_a + b.inner_radius[j] * pose.scale + pose.skin_b;
+        let inner =
+            inner_radii + allowance(a.mean_radius + b.mean_radius * pose.scale) - inner_way.dot(normal);
+        if inner >= height {
+            return Some(*self);
+        }
+        let [height, inner, radius_a, radius_b] = [height, inner, radius_a, radius_b].map(f64::from);
+        let flush = Flush::new(height, inner, radius_a.min(radius_b))?;
+        let lens = lens::Lens::new(radius_a, radius_b, radius_a + radius_b - flush.height);
+        // The volume of what is not yet whole changes along the normal.
+        let steepest = normal * flush.slope as f32 + (self.axis - normal) * flush.whole as f32;
+        let length = steepest.length();
+        Some(Self {
+            axis: direction(steepest).unwrap_or(self.axis),
+            volume: lens.volume as f32,
+            area: lens.area as f32 * length,
+            ..*self
+        })
     }
 }
 

@@ -4,7 +4,7 @@ use super::force_law::gradient_weight;
 use super::*;
 use crate::reference;
 use crate::tree::tests::random_packing;
-use crate::{InnerSphere, SolidProperties, SpherePacking};
+use crate::{InnerSphere, ProximityWorkspace, SolidProperties, SpherePacking};
 use alloc::vec::Vec;
 use glam::{DQuat, DVec3, Quat};
 use proptest::prelude::*;
@@ -183,6 +183,26 @@ proptest! {
         prop_assert!((area + overlap.gradient).length() <= 1e-4 * total);
         let moment: Vec3 = samples.iter().map(|s| s.volume * s.point).sum();
         prop_assert!((moment - overlap.volume * overlap.centroid).length() <= 1e-4 * overlap.volume);
+    }
+
+    /// Of no more volume than all of them, and none where inner balls are apart by more than the offsets.
+    #[test]
+    fn flush_samples_are_some_of_all(a in random_packing(100), b in random_packing(100), pose in random_pose(1.0)) {
+        let (a, b) = (tree(&a).scaled(0.5).unwrap(), tree(&b));
+        let mut workspace = OverlapWorkspace::default();
+        let (mut all, mut flush) = (Vec::new(), Vec::new());
+        a.contact_samples(&b, &pose, &mut workspace, &mut all);
+        a.flush_contact_samples(&b, &pose, &mut workspace, &mut flush);
+        prop_assert!(flush.len() <= all.len());
+        let mut rest = all.iter();
+        for sample in &flush {
+            let whole = rest.find(|whole| whole.point == sample.point && whole.normal == sample.normal);
+            prop_assert!(sample.volume >= 0.0 && whole.is_some_and(|whole| sample.volume <= whole.volume * (1.0 + 1e-4)));
+        }
+        let distance = a.distance(&b, &pose, &mut ProximityWorkspace::default());
+        if distance.is_some_and(|apart| apart.distance > a.contact_offset() + b.contact_offset()) {
+            prop_assert!(flush.is_empty());
+        }
     }
 
     #[test]

@@ -40,6 +40,11 @@ impl Leaf {
         Vec3::new(self.0[0], self.0[1], self.0[2])
     }
 
+    /// Radius of the volume ball.
+    pub(crate) fn radius(&self) -> f32 {
+        self.0[3]
+    }
+
     /// Outward normal.
     pub(crate) fn normal(&self) -> Vec3 {
         Vec3::new(self.0[4], self.0[5], self.0[6])

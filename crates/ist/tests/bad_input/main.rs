@@ -85,6 +85,7 @@ fn all_overlaps(what: &str, [a, b]: [&InnerSphereTree; 2], pose: &Pose3, passes:
     }
     let mut samples = Vec::new();
     a.contact_samples(b, pose, &mut workspace, &mut samples);
+    a.flush_contact_samples(b, pose, &mut workspace, &mut samples);
     for sample in samples {
         let all = [sample.point.to_array(), sample.vector_area.to_array(), [sample.volume; 3]];
         assert!(all.as_flattened().iter().all(|&x| passes(x)), "{what}: {sample:?}");
@@ -148,6 +149,7 @@ fn useless_poses_give_nothing() {
         }
         let mut samples = Vec::new();
         tree.contact_samples(&tree, &pose, &mut OverlapWorkspace::default(), &mut samples);
+        tree.flush_contact_samples(&tree, &pose, &mut OverlapWorkspace::default(), &mut samples);
         assert!(samples.is_empty());
     }
 }

@@ -96,7 +96,7 @@ impl Pair<'_> {
         workspace.samples.clear();
         match self.other {
             Other::Tree(other) => {
-                tree.contact_samples(other, pose, &mut workspace.overlap, &mut workspace.samples);
+                tree.flush_contact_samples(other, pose, &mut workspace.overlap, &mut workspace.samples);
             }
             Other::Shape(shape) => {
                 against_shape::contact_samples(tree, shape, pose, &mut workspace.samples);

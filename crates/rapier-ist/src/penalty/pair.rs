@@ -61,6 +61,7 @@ impl PairContacts {
         dt: f64,
     ) -> Self {
         let pair = PairState::new(states, contact, dt);
+        let memory = memory.about(pair.placement.origin);
         let patches = patches(&contact.samples);
         let step =
             ImpactStep { before: pair.opening(pair.before), free: pair.opening(pair.free), end: memory.end };
@@ -217,6 +218,7 @@ impl PairContacts {
             force,
             carried,
             end,
+            origin: self.origin,
             impulse: self.impact.impulse + impulse,
             rebound: self.rebound.map(|rebound| rebound.impulse),
             impact: after,
@@ -235,6 +237,11 @@ impl PairContacts {
             && self.impact.stiff
             && self.samples.iter().any(|s| s.force > 0.0)
             && rebounds()
+    }
+
+    /// Whether the bodies part by restitution, or are about to.
+    pub(crate) fn is_rebounding(&self) -> bool {
+        self.rebound.is_some() || self.impact.rebounded || self.impact.may_rebound(&self.material)
     }
 
     /// What each patch pushes the second body with, besides friction (N).
