@@ -20,8 +20,8 @@ const STRIDE: f64 = 0.25;
 
 /// A contact whose depth, by its volumes and cross-sections, is less than this share of a stride has just begun.
 ///
-/// A row of five cubes of 0.2 m is hit at 20 m/s by one of 20 times their weight: they go up to 0.22 m into each other if contacts count from
-/// the first, 0.20 with 0.3, 0.19 with 0.5, and 0.15 with 0.6 to 0.8. With 0.8 a ladder that slides down a wall goes 1 cm into it.
+/// A row of five cubes of 0.2 m is hit at 20 m/s by one of 20 times their weight: they go up to 0.22 m into each other with
+/// 0.25, 0.20 with 0.3, 0.19 with 0.5, and 0.15 with 0.6 to 0.8. With 0.8 a ladder that slides down a wall goes 1 cm into it.
 const SHALLOW: f64 = 0.7;
 
 /// How far from contact a cast may end, as a share of the thickness. Less than the stride, so that the first pose after it
