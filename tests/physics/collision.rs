@@ -37,7 +37,7 @@ struct Errors {
 }
 
 /// Throws two bodies at each other, seen from different sides by `seed`.
-fn collide(shape: &IstShape, restitution: f32, seed: u16) -> Errors {
+fn collide(shape: &IstShape, [restitution, friction]: [f32; 2], seed: u16) -> Errors {
     let mut world = PhysicsWorld { gravity: Vec3::ZERO, ..PhysicsWorld::new() };
     let mut plugin = IstPlugin::install(&mut world);
     let angle = f32::from(seed);
@@ -49,7 +49,8 @@ fn collide(shape: &IstShape, restitution: f32, seed: u16) -> Errors {
             .pose(Pose3::from_parts(offset, turn))
             .linvel(Vec3::new(-side * 1.5, 0.2 * side, 0.0))
             .angvel(spin);
-        let collider = shape.clone().into_collider().density(DENSITY).restitution(restitution);
+        let collider =
+            shape.clone().into_collider().density(DENSITY).restitution(restitution).friction(friction);
         world.insert(body, collider);
     };
     throw(&mut world, 1.0);
@@ -87,7 +88,7 @@ fn collisions_keep_both_momenta_and_make_no_energy() {
     for restitution in [0.0, 0.5, 1.0] {
         let mut worst = Errors::default();
         for seed in 0..200 {
-            let errors = collide(&shape, restitution, seed);
+            let errors = collide(&shape, [restitution, 0.5], seed);
             worst.momentum = worst.momentum.max(errors.momentum);
             worst.spin = worst.spin.max(errors.spin);
             worst.energy = worst.energy.max(errors.energy);
@@ -102,11 +103,26 @@ fn collisions_keep_both_momenta_and_make_no_energy() {
     assert!(!failed);
 }
 
+/// What slides over spheres is pushed by them: without friction one of 16 made energy, up to 0.1 of it.
+#[test]
+fn frictionless_collisions_make_hardly_any_energy() {
+    let shape = packed(&shapes::cross(0.15, 0.04), 200);
+    for restitution in [0.5, 1.0] {
+        let rises: Vec<f64> = (0..300)
+            .map(|seed| collide(&shape, [restitution, 0.0], seed).energy)
+            .filter(|&rise| rise > 1e-3)
+            .collect();
+        let worst = rises.iter().copied().fold(0.0, f64::max);
+        println!("e = {restitution}: {} of 300 make energy, up to {worst:.1e}", rises.len());
+        assert!(rises.len() <= 3 && worst < 0.02, "e = {restitution}: {rises:?}");
+    }
+}
+
 #[test]
 fn rings_that_hit_each_other_make_no_energy() {
     let shape = ring(300);
     for seed in 0..10 {
-        let errors = collide(&shape, 0.0, seed);
+        let errors = collide(&shape, [0.0, 0.5], seed);
         assert!(errors.momentum < 1e-5 && errors.energy < 1e-3, "{} {}", errors.momentum, errors.energy);
     }
 }

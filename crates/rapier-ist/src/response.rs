@@ -38,7 +38,7 @@ pub(crate) fn respond(
     let before = std::mem::take(memory);
     *memory = before.iter().map(|(pair, known)| (*pair, known.next())).collect();
     let (mut round, mut rounds) = (1, MAX_ROUNDS);
-    let solution = loop {
+    let mut solution = loop {
         let touching: Vec<&Contact> = found.iter().flatten().collect();
         let known_touching =
             known.drain(..).zip(&found).filter_map(|(known, found)| found.as_ref().map(|_| known));
@@ -68,6 +68,9 @@ pub(crate) fn respond(
         round += 1;
     };
     let touching: Vec<&Contact> = found.iter().flatten().collect();
+    if solution.make_passive() {
+        solution.remember(&touching, memory);
+    }
     collect(&bodies, solution, (&touching, dt), report)
 }
 
@@ -108,7 +111,7 @@ fn collect(
     for (touches, link) in touches.iter_mut().zip(&bodies.links) {
         *touches |= link.is_some_and(|link| touched.contains(&link.multibody));
     }
-    for Solved { pair, contacts: solved, twist, mut relative_velocity } in solved {
+    for Solved { pair, contacts: solved, twist, mut relative_velocity, .. } in solved {
         relative_velocity.linear += solved.turning;
         let (origin, wrench) = (solved.origin, solved.wrench(twist));
         let mut of_patches = solved.patches.iter().flat_map(|patch| {

@@ -56,6 +56,15 @@ impl Solution {
         memory.extend(self.solved.iter().map(known));
     }
 
+    /// Makes pairs that touch nothing else passive, see [`PairContacts::make_passive`]; whether that changed one. The velocities stay those
+    /// that the solve found.
+    ///
+    /// Among others, less of one force than was solved for is far too little: forces in stacks and piles cancel.
+    pub(crate) fn make_passive(&mut self) -> bool {
+        let alone = self.solved.iter_mut().filter(|solved| solved.is_alone);
+        alone.map(|solved| solved.contacts.make_passive(solved.twist)).filter(|&changed| changed).count() > 0
+    }
+
     /// Whether a pair has come to a stop so early that another solve should make it rebound.
     pub(crate) fn has_rebounds(&self) -> bool {
         self.solved.iter().any(Solved::should_rebound)
@@ -228,6 +237,8 @@ pub(crate) struct Solved {
     pub(crate) twist: Screw,
     /// The same before the step.
     pub(crate) relative_velocity: Screw,
+    /// Whether its bodies are connected with nothing else.
+    is_alone: bool,
 }
 
 impl Solved {
@@ -298,6 +309,7 @@ fn solve_island(
     island.solve(dt);
     let is_solved = island.is_solved();
     let touches = !members.pairs.is_empty();
+    let is_alone = members.pairs.len() == 1 && members.joints.is_empty();
     let solved_body =
         |((i, &body), joints)| SolvedBody { body, state: island.state(i), is_solved, joints, touches };
     let states = used.iter().enumerate().zip(island.joint_wrenches()).map(solved_body).collect();
@@ -309,6 +321,7 @@ fn solve_island(
         contacts,
         twist,
         relative_velocity,
+        is_alone,
     });
     let joints = members.joints.into_iter().zip(joints).filter(|_| touches);
     SolvedIsland { pairs: solved.collect(), bodies: states, joints: joints.collect() }

@@ -16,6 +16,11 @@ use super::twist::Screw;
 /// rises 5 % too high with 0.5 and 8 % too low with 1; from 1 m on either is within 4 %.
 const ACCELERATION: f64 = 0.7;
 
+/// Steps after which an impact that left overlap behind counts as over.
+///
+/// With 3 the kinetic energy of jacks that hit each other (e = 0) rises by 0.17 % of what it was in a step, with 10 by 0.02 %.
+const IMPACT_STEPS: u32 = 10;
+
 /// How a contact began.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Impact {
@@ -97,6 +102,26 @@ impl Impact {
         (free * free + 2.0 * compliance * self.lost.max(0.0)).sqrt() - free
     }
 
+    /// The greatest share of an impulse, at most all of it, that gives back no more than the energy that the impact took so far: a share s
+    /// gives `linear s + square s²` (J).
+    pub(crate) fn share_of_lost(&self, [linear, square]: [f64; 2]) -> f64 {
+        let (lost, given) = (self.lost.max(0.0), linear + square);
+        if given <= lost || given.is_nan() {
+            return 1.0;
+        }
+        let root = (linear * linear + 4.0 * square * lost).max(0.0).sqrt();
+        // The form of the root that does not cancel.
+        let share =
+            if linear < 0.0 { (root - linear) / (2.0 * square) } else { 2.0 * lost / (linear + root) };
+        // NaN where nothing was taken and nothing had to be.
+        if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 }
+    }
+
+    /// Whether it began with an impact a few steps ago at most.
+    pub(crate) fn is_under_way(&self) -> bool {
+        self.speed > 0.0 && self.steps <= IMPACT_STEPS
+    }
+
     fn was_stopped(&self, step: &ImpactStep) -> bool {
         step.before > -0.1 * self.speed
     }
@@ -118,5 +143,35 @@ impl Impact {
             rebounded: self.rebounded || rebounds,
             steps: self.steps.saturating_add(1),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn no_more_is_given_back_than_was_taken(
+            linear in -10.0_f64..10.0, square in -10.0_f64..10.0, lost in -1.0_f64..10.0, zero in 0_u8..8,
+        ) {
+            let or_zero = |value: f64, bit: u8| if zero >> bit & 1 == 1 { 0.0 } else { value };
+            let (linear, square, lost) = (or_zero(linear, 0), or_zero(square, 1), or_zero(lost, 2));
+            let share = Impact { lost, ..Impact::default() }.share_of_lost([linear, square]);
+            let given = |share: f64| share * (linear + square * share);
+            let lost = lost.max(0.0);
+            prop_assert!((0.0..=1.0).contains(&share));
+            prop_assert!(given(share) <= lost + 1e-9, "{share} gives {} of {lost}", given(share));
+            // And it is the greatest.
+            if share < 1.0 {
+                prop_assert!(given(share + 1e-6 * (1.0 + share)) > lost - 1e-9, "{share} is too little");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_number_is_left_alone() {
+        assert_eq!(Impact::default().share_of_lost([f64::NAN, 1.0]), 1.0);
     }
 }

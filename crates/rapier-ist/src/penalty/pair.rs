@@ -42,6 +42,8 @@ pub(crate) struct PairContacts {
     /// What bodies that turn as one seem to part by at the end of the step (m/s).
     pub(crate) turning: DVec3,
     dt: f64,
+    /// Of what the solve found, see [`Self::make_passive`].
+    share: f64,
     /// What the pair has carried before the step (N).
     carried: f64,
     /// The lesser of the forces besides contacts on those of the bodies that can move (N).
@@ -105,6 +107,7 @@ impl PairContacts {
             rebound: rebound.map(|impulse| Rebound::new(impulse, pair.before)),
             turning: pair.turning(),
             dt,
+            share: 1.0,
             carried: memory.carried,
             load: pair.load(),
             offset: Screw::ZERO,
@@ -198,11 +201,11 @@ impl PairContacts {
     /// What to remember of the pair after a step at the relative twist `twist`. What it has carried is the size of the sum of
     /// the normal forces, over the last [`LOAD_TIME`].
     pub(crate) fn memory(&self, twist: Screw) -> PairMemory {
-        let (mut force, mut power, mut wrench) = (0.0, 0.0, Screw::ZERO);
+        let (mut force, mut power, wrench) = (0.0, 0.0, self.push());
+        let twist = self.before + (twist - self.before) * self.share;
         for s in &self.samples {
             force += s.force;
             power += s.force * (twist.twist_at(s.arm).linear.dot(s.normal) - s.sliding);
-            wrench += s.along_normal(s.force);
         }
         let end = if force > 0.0 { power / force } else { self.step.end.max(0.0) };
         // Walls that squeeze a body from both sides carry nothing by that.
@@ -212,7 +215,7 @@ impl PairContacts {
         let carried = carried.max(0.0);
         let impulse = wrench * self.dt;
         let step = ImpactStep { end, ..self.step };
-        let lost = -impulse.dot((self.before + twist) * 0.5);
+        let lost = -(impulse + self.rebound_impulse()).dot((self.before + twist) * 0.5);
         let after = self.impact.after(&step, (impulse, lost), self.rebound.is_some());
         PairMemory {
             force,
@@ -237,6 +240,45 @@ impl PairContacts {
             && self.impact.stiff
             && self.samples.iter().any(|s| s.force > 0.0)
             && rebounds()
+    }
+
+    /// Scales all that the contact does in a step at the relative twist `twist` down until it gives back no more energy than its impact
+    /// took. Returns whether there was too much.
+    ///
+    /// A rebound gives back what the bodies had along its impulse, but what is left of the overlap pushes along other normals besides, and
+    /// spheres that slide past each other push along theirs. Of 1,000 pairs of jacks that are thrown at each other without friction,
+    /// e = 1, 61 made up to 9.8 % of energy without this, 4 up to 1.8 % with it: those touched slowly, for which nothing is counted.
+    pub(crate) fn make_passive(&mut self, twist: Screw) -> bool {
+        if self.material.restitution <= 0.0 || !self.impact.is_under_way() {
+            return false;
+        }
+        let impulse = self.push() * self.dt + self.rebound_impulse();
+        let work = [impulse.dot(self.before), impulse.dot((twist - self.before) * 0.5)];
+        self.share = self.impact.share_of_lost(work);
+        if self.share >= 1.0 {
+            return false;
+        }
+        for s in &mut self.samples {
+            s.force *= self.share;
+        }
+        for (offset, damping) in self.patches.iter_mut().map(|patch| (&mut patch.offset, &mut patch.damping))
+        {
+            (*offset, *damping) = (*offset * self.share, *damping * self.share);
+        }
+        (self.offset, self.damping) = (self.offset * self.share, self.damping * self.share);
+        if let Some(rebound) = &mut self.rebound {
+            rebound.impulse = rebound.impulse * self.share;
+        }
+        true
+    }
+
+    /// Normal forces of all samples on b (N).
+    fn push(&self) -> Screw {
+        self.samples.iter().fold(Screw::ZERO, |sum, s| sum + s.along_normal(s.force))
+    }
+
+    fn rebound_impulse(&self) -> Screw {
+        self.rebound.map_or(Screw::ZERO, |rebound| rebound.impulse)
     }
 
     /// Whether the bodies part by restitution, or are about to.
