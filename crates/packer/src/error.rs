@@ -82,10 +82,10 @@ pub enum MeshError {
         /// End points of the first one (m).
         first: [DVec3; 2],
     },
-    /// Edges where more than two faces meet that do not bound wedges of material: inside and outside are not defined
-    /// there.
+    /// Edges where more than two faces meet that do not bound wedges of material, in a mesh whose parts do not follow each
+    /// other: inside and outside are not defined there.
     #[error(
-        "{count} edges have more than two faces, the first from {} to {} with {faces}; separate the parts that touch there", first[0], first[1]
+        "{count} edges have more than two faces, the first from {} to {} with {faces}; write the parts that touch there one after another, or separate them", first[0], first[1]
     )]
     NonManifoldEdges {
         /// Number of such edges.

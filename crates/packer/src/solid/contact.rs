@@ -5,7 +5,7 @@
 //! Shewchuk, *Adaptive precision floating-point arithmetic and fast robust geometric predicates*, 1997), so that
 //! the corners that neighbours share lie on each other's plane and not beside it.
 
-use super::plane::{TrianglePlane, clip};
+use super::plane::{TrianglePlane, clip, is_within};
 use glam::{DVec2, DVec3};
 use robust::{Coord3D, orient3d};
 
@@ -27,7 +27,7 @@ pub(super) enum Kind {
     Touch,
     /// They pass through each other; here is a point of both.
     Cross,
-    /// They lie in one plane and cover each other in part.
+    /// They lie in one plane and cover each other, in part or wholly.
     Cover,
 }
 
@@ -46,7 +46,10 @@ pub(super) fn contact(a: &[DVec3; 3], b: &[DVec3; 3], on_plane: f64) -> Option<C
     let is_flush = |sides: &[f64; 3]| sides.iter().all(|side| *side == 0.0);
     if is_flush(&sides_of_a) || is_flush(&sides_of_b) {
         let cuts = [borders(b, &plane_a), borders(a, &plane_b)];
-        return (!cuts[0].is_empty() || !cuts[1].is_empty()).then_some(Contact { cuts, kind: Kind::Cover });
+        let some_border_is_inside = !cuts[0].is_empty() || !cuts[1].is_empty();
+        // Two that are the same but for rounding have all borders in common.
+        let covers = some_border_is_inside || is_within(plane_a.project((b[0] + b[1] + b[2]) / 3.0));
+        return covers.then_some(Contact { cuts, kind: Kind::Cover });
     }
     let cut = |triangle, sides, plane: &TrianglePlane| -> Cuts {
         section(triangle, sides)

@@ -4,9 +4,11 @@ use super::bvh::Bvh;
 use super::diagnosis::{Diagnosis, Findings, SIZES};
 use super::mass;
 use super::meetings::{self, Meeting};
+use super::parts;
 use super::plane::TrianglePlane;
 use super::pseudonormals::{FOLD, Pseudonormals};
-use super::shells::{self, Overlaps};
+use super::shell_pairs::{self, Found, ON_PLANE, ShellPairs};
+use super::shells;
 use super::topology::{self, EdgeCensus, NONE, Neighbours};
 use super::visible::{self, Visible};
 use super::weld::{self, Repeated};
@@ -32,11 +34,6 @@ pub(super) struct Surface {
 /// Most times that a surface with shared edges is turned. Of 230,000 solids of cubes with faces turned at random, corners moved
 /// by up to two edges, none needed more than three; of 50,000 with corners in place none more than two.
 const ROUNDS: usize = 4;
-
-/// A corner nearer to a plane than this share of the size of the mesh lies on it; the next one counts where with the one before the
-/// union is not closed. Rotating a mesh moves its corners by 1e-16 of their coordinates: faces that were flush remain so, even ten
-/// thousand sizes from the origin.
-const ON_PLANE: [f64; 3] = [1e-11, 1e-9, 1e-7];
 
 /// What counts as closed, see [`mass::openness`]: unions of 312 rows of boxes, turned and moved by 1e-17 to 1e-6, had 2e-17 to 2e-10,
 /// and those of which a face was missing 2e-4 to 2e-2.
@@ -79,6 +76,8 @@ struct Closed {
     shared: Vec<[u32; 2]>,
     bvh: Bvh,
     meetings: Vec<Meeting>,
+    /// Place in [`ON_PLANE`] of what they were found with.
+    coarseness: usize,
     /// Whether a face was turned for it.
     has_turned: bool,
 }
@@ -108,19 +107,19 @@ fn close(
     let unturned = mesh.triangles.clone();
     let orientation = topology::orient_consistently(&mut mesh, &mut neighbours);
     d.shells = orientation.shells;
-    d.one_sided = orientation.one_sided.into_iter().collect();
+    d.one_sided = orientation.one_sided.iter().copied().collect();
     (d.turned_faces, d.reversed_shells) = topology::turns(before, &mesh.triangles, &orientation.shell_of);
     if !SIZES.contains(&d.size()) {
         return None;
     }
     find_flat_and_folded(&mesh, &neighbours, d);
     let bvh = bvh_of(&mesh);
-    let mut meetings = meetings::find(&mesh, &bvh, ON_PLANE[0]);
-    let overlaps = sort_meetings(&mesh, &meetings, &orientation.shell_of, d);
+    let Found { mut meetings, pairs, coarseness } = shell_pairs::find(&mesh, &bvh, &orientation);
+    enter_meetings(&mesh, &meetings, &pairs, d);
     if d.refusal().is_some() {
         return None;
     }
-    let outward = shells::face_outward(&mut mesh, &mut neighbours, &orientation.shell_of, &overlaps);
+    let outward = shells::face_outward(&mut mesh, &mut neighbours, &orientation.shell_of, &pairs);
     d.cavities = outward.cavities;
     (d.turned_faces, d.reversed_shells) = topology::turns(before, &mesh.triangles, &orientation.shell_of);
     let is_turned = |triangle: u32| outward.is_reversed[orientation.shell_of[triangle as usize] as usize];
@@ -128,7 +127,7 @@ fn close(
     // Triangles that were turned cross rays the other way.
     let bvh = if outward.is_reversed.contains(&true) { bvh_of(&mesh) } else { bvh };
     let has_turned = mesh.triangles != unturned;
-    Some(Closed { mesh, neighbours, shared, bvh, meetings, has_turned })
+    Some(Closed { mesh, neighbours, shared, bvh, meetings, coarseness, has_turned })
 }
 
 /// Shared edges whose faces still turned in the last round.
@@ -159,7 +158,8 @@ fn sound<'a>(mesh: &'a TriangleMesh, d: &mut Diagnosis) -> Cow<'a, TriangleMesh>
 /// Leaves out what does not count and welds the rest; returns its edges and what was left out.
 ///
 /// Faces that occur twice are walls between two parts if the surface is closed and manifold without them and is not with
-/// one of each; a face written once for each of its sides looks the same, but is needed.
+/// one of each; a face written once for each of its sides looks the same, but is needed. If it is not manifold either way,
+/// parts that follow each other in the file may be.
 fn clean(mesh: &TriangleMesh) -> (TriangleMesh, EdgeCensus, Diagnosis) {
     let mut d = Diagnosis {
         input_vertices: mesh.vertices.len(),
@@ -178,6 +178,12 @@ fn clean(mesh: &TriangleMesh) -> (TriangleMesh, EdgeCensus, Diagnosis) {
         if !none.0.triangles.is_empty() && none.1.open.is_empty() && none.1.non_manifold.is_empty() {
             (mesh, census, welding) = none;
         }
+    }
+    if !census.non_manifold.is_empty()
+        && let Some((apart, of_parts)) = parts::apart(&sound)
+    {
+        (census, welding) = (topology::edge_census(&apart), of_parts);
+        mesh = apart;
     }
     d.unused_vertices = welding.unused_vertices;
     d.merged_vertices = welding.merged_vertices;
@@ -213,36 +219,30 @@ fn find_flat_and_folded(mesh: &TriangleMesh, neighbours: &Neighbours, d: &mut Di
     }
 }
 
-/// Enters meetings into the diagnosis; returns the shells that cut each other.
-fn sort_meetings(mesh: &TriangleMesh, meetings: &[Meeting], shell_of: &[u32], d: &mut Diagnosis) -> Overlaps {
-    let mut overlaps = Overlaps::default();
+fn enter_meetings(mesh: &TriangleMesh, meetings: &[Meeting], pairs: &ShellPairs, d: &mut Diagnosis) {
     for meeting in meetings {
         if meeting.crosses() {
             d.self_intersections.push(meeting.place(mesh));
-            let [a, b] = [meeting.first, meeting.second].map(|triangle| shell_of[triangle as usize]);
-            if a != b {
-                overlaps.insert([a.min(b), a.max(b)]);
-            }
         } else if meeting.covers() {
             d.covering_faces.push(meeting.place(mesh));
         }
     }
-    d.overlapping_shells = overlaps.len();
-    overlaps
+    d.overlapping_shells = pairs.count_cut();
 }
 
 /// What bounds the union of the surface.
 ///
 /// Some corners of faces that are all but flush may count as on each other's plane and others not, and then one face is taken for
 /// covered and the other for bare. The surface has a hole by that, and is looked at more coarsely.
-fn union(mesh: &TriangleMesh, neighbours: &Neighbours, bvh: &Bvh, meetings: &[Meeting]) -> Visible {
+fn union(closed: &Closed) -> Visible {
+    let Closed { mesh, neighbours, bvh, meetings, coarseness, .. } = closed;
     let (lower, upper) = mesh.bounds();
     let with_openness = |visible: Visible| {
         let openness = mass::openness(&visible.enclosing, 0.5 * (lower + upper));
         (visible, openness)
     };
     let mut best = with_openness(visible::visible(mesh, neighbours, bvh, meetings));
-    for on_plane in &ON_PLANE[1..] {
+    for on_plane in &ON_PLANE[coarseness + 1..] {
         if best.0.uncut > 0 || best.1 <= CLOSED {
             break;
         }
@@ -257,7 +257,8 @@ fn union(mesh: &TriangleMesh, neighbours: &Neighbours, bvh: &Bvh, meetings: &[Me
 
 /// From the whole surface to what bounds its union, if anything does.
 fn finish(closed: Closed, d: &mut Diagnosis) -> Option<Surface> {
-    let Closed { mesh, neighbours, shared, bvh, meetings, .. } = closed;
+    let visible = (!closed.meetings.is_empty()).then(|| union(&closed));
+    let Closed { mesh, neighbours, shared, bvh, .. } = closed;
     // Several faces are equally near there, and they need not agree.
     let mut is_shared = vec![false; mesh.vertices.len()];
     shared.iter().flatten().for_each(|vertex| is_shared[*vertex as usize] = true);
@@ -266,12 +267,11 @@ fn finish(closed: Closed, d: &mut Diagnosis) -> Option<Surface> {
     let center = 0.5 * (lower + upper);
     let corners = (0..mesh.triangles.len()).map(|triangle| mesh.corners(triangle));
     let by_shells = mass::properties(corners, center);
-    if meetings.is_empty() {
+    let Some(visible) = visible else {
         d.volume = Some(by_shells.volume);
         let pseudonormals = Pseudonormals::new(&mesh, &neighbours, at_shared_edge);
         return Some(Surface { mesh, closed: None, bvh, uncut: None, pseudonormals, properties: by_shells });
-    }
-    let visible = union(&mesh, &neighbours, &bvh, &meetings);
+    };
     let mut is_whole = vec![false; mesh.triangles.len()];
     for (parent, whole) in visible.parents.iter().zip(&visible.is_whole) {
         is_whole[*parent as usize] = *whole;

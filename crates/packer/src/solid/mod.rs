@@ -6,9 +6,11 @@ mod diagnosis;
 mod examine;
 mod mass;
 mod meetings;
+mod parts;
 mod plane;
 mod pseudonormals;
 mod radial;
+mod shell_pairs;
 mod shells;
 mod topology;
 mod trapezoids;
@@ -27,8 +29,8 @@ use ist::SolidProperties;
 /// The solid that a closed triangle mesh encloses.
 ///
 /// Building one welds coincident vertices, drops degenerate and duplicate faces, refuses what has no inside,
-/// and orients every shell so that its normals leave the material. Shells inside others are cavities. Solids that
-/// overlap add up to their union; where a surface cuts itself, all is inside that it winds around.
+/// and orients every shell so that its normals leave the material. Shells inside others are cavities, unless they lie flush
+/// with their inside. Solids that overlap add up to their union; where a surface cuts itself, all is inside that it winds around.
 #[derive(Clone, Debug)]
 pub struct Solid {
     surface: Surface,

@@ -1,13 +1,15 @@
 //! Which way the shells of a closed surface face.
 //!
-//! A shell that lies wholly inside an even number of others bounds material from outside, one that lies inside an
-//! odd number bounds a cavity. A shell that cuts another does not lie inside it: the two overlap, and their union
-//! is the solid. Orientation in the file is not asked: it is wrong too often.
+//! Shells are taken from the largest to the smallest. One that lies wholly in empty space bounds material, one that lies
+//! wholly in material bounds a cavity: where copies of a hollow part coincide, each has its own. A shell that cuts another
+//! does not lie inside it: the two overlap, and their union is the solid. Neither does one bound a cavity that lies flush
+//! with the inside of another: between them there would be a wall of no thickness. Orientation in the file is not asked: it
+//! is wrong too often.
 
+use super::shell_pairs::ShellPairs;
 use super::topology::{Neighbours, turn};
 use crate::TriangleMesh;
 use glam::DVec3;
-use std::collections::HashSet;
 use std::f64::consts::PI;
 
 /// One connected part of the surface.
@@ -16,9 +18,6 @@ struct Shell {
     upper: DVec3,
     triangles: Vec<u32>,
 }
-
-/// Pairs of shells that cut each other, the smaller number first.
-pub(super) type Overlaps = HashSet<[u32; 2]>;
 
 /// Points of a shell that are asked whether they lie inside another one.
 const PROBES: usize = 8;
@@ -38,25 +37,31 @@ pub(super) fn face_outward(
     mesh: &mut TriangleMesh,
     neighbours: &mut Neighbours,
     shell_of: &[u32],
-    overlaps: &Overlaps,
+    pairs: &ShellPairs,
 ) -> Outward {
     let shells = collect(mesh, shell_of);
-    let mut outward = Outward::default();
-    for (index, shell) in shells.iter().enumerate() {
-        let around = |(other, candidate): &(usize, &Shell)| {
-            let (first, second) = (index.min(*other) as u32, index.max(*other) as u32);
-            first != second && !overlaps.contains(&[first, second]) && encloses(mesh, candidate, shell)
-        };
-        let depth = shells.iter().enumerate().filter(around).count();
-        let is_cavity = depth % 2 == 1;
-        outward.cavities += usize::from(is_cavity);
-        let is_reversed = (signed_volume(mesh, shell) < 0.0) != is_cavity;
-        if is_reversed {
-            shell.triangles.iter().for_each(|triangle| turn(mesh, neighbours, *triangle as usize));
+    let volumes = signed_volumes(mesh, shell_of);
+    let mut from_largest: Vec<usize> = (0..shells.len()).collect();
+    from_largest.sort_by(|a, b| volumes[*b].abs().total_cmp(&volumes[*a].abs()).then(a.cmp(b)));
+    let mut is_cavity = vec![false; shells.len()];
+    for index in from_largest {
+        let around = (0..shells.len())
+            .filter(|other| *other != index && !pairs.cut(index, *other))
+            .filter(|other| encloses(mesh, &shells[*other], &shells[index]));
+        // How often the others wind around this one, and whether one that bounds material is flush with it.
+        let (mut winding, mut is_flush) = (0, false);
+        for other in around {
+            winding += if is_cavity[other] { -1 } else { 1 };
+            is_flush |= !is_cavity[other] && pairs.are_flush(index, other);
         }
-        outward.is_reversed.push(is_reversed);
+        is_cavity[index] = winding > 0 && !is_flush;
     }
-    outward
+    let is_reversed: Vec<bool> =
+        volumes.iter().zip(&is_cavity).map(|(volume, is_cavity)| (*volume < 0.0) != *is_cavity).collect();
+    for (shell, _) in shells.iter().zip(&is_reversed).filter(|(_, is_reversed)| **is_reversed) {
+        shell.triangles.iter().for_each(|triangle| turn(mesh, neighbours, *triangle as usize));
+    }
+    Outward { cavities: is_cavity.iter().filter(|is_cavity| **is_cavity).count(), is_reversed }
 }
 
 fn collect(mesh: &TriangleMesh, shell_of: &[u32]) -> Vec<Shell> {
@@ -107,11 +112,15 @@ fn winding_number(mesh: &TriangleMesh, shell: &Shell, point: DVec3) -> f64 {
     shell.triangles.iter().map(angle).sum::<f64>() / (4.0 * PI)
 }
 
-fn signed_volume(mesh: &TriangleMesh, shell: &Shell) -> f64 {
-    let origin = 0.5 * (shell.lower + shell.upper);
-    let tetrahedron = |triangle: &u32| {
-        let [a, b, c] = mesh.corners(*triangle as usize).map(|corner| corner - origin);
-        a.dot(b.cross(c))
+/// Volumes of the shells (m³), negative where they face inwards.
+pub(super) fn signed_volumes(mesh: &TriangleMesh, shell_of: &[u32]) -> Vec<f64> {
+    let volume = |shell: Shell| {
+        let origin = 0.5 * (shell.lower + shell.upper);
+        let tetrahedron = |triangle: &u32| {
+            let [a, b, c] = mesh.corners(*triangle as usize).map(|corner| corner - origin);
+            a.dot(b.cross(c)) / 6.0
+        };
+        shell.triangles.iter().map(tetrahedron).sum()
     };
-    shell.triangles.iter().map(tetrahedron).sum()
+    collect(mesh, shell_of).into_iter().map(volume).collect()
 }

@@ -1,4 +1,4 @@
-//! Cleaning: coincident vertices become one; faces without area and faces that occur twice are dropped.
+//! Cleaning: coincident vertices become one; faces without area and, unless asked otherwise, faces that occur twice are dropped.
 
 use crate::TriangleMesh;
 use glam::DVec3;
@@ -23,6 +23,8 @@ pub(super) struct Welding {
 /// What becomes of faces with the same three corners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Repeated {
+    /// All are kept.
+    KeepAll,
     /// One of them is kept: a face was written twice, or once for each side.
     KeepOne,
     /// Pairs that face opposite ways are dropped: they are a wall between two parts that touch. Of those that face the
@@ -30,7 +32,7 @@ pub(super) enum Repeated {
     DropPairs,
 }
 
-/// The mesh with every position once, without degenerate and duplicate faces and unused vertices.
+/// The mesh with every position once, without degenerate faces and unused vertices.
 pub(super) fn weld(mesh: &TriangleMesh, repeated: Repeated) -> (TriangleMesh, Welding) {
     let mut welding = Welding::default();
     let mut out = TriangleMesh::default();
@@ -64,6 +66,10 @@ pub(super) fn weld(mesh: &TriangleMesh, repeated: Repeated) -> (TriangleMesh, We
         sorted.sort_unstable();
         if a == b || b == c || c == a {
             welding.degenerate_faces += 1;
+            continue;
+        }
+        if repeated == Repeated::KeepAll {
+            out.triangles.push([a, b, c]);
             continue;
         }
         match place_of.entry(sorted) {

@@ -129,7 +129,7 @@ fn errors(d: &Diagnosis) -> Vec<Finding> {
             d.non_manifold_edges.count,
             "edges with more than two faces",
             places(&d.non_manifold_edges, |e| Place::Edge(e.0)),
-            "delete faces inside the solid, or separate the parts that touch there by a small gap",
+            "delete faces inside the solid, write one part after another, or separate the parts that touch there by a small gap",
         ),
         error(
             "one_sided",

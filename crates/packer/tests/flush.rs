@@ -1,0 +1,128 @@
+//! Parts that lie flush with each other, or upon each other but for rounding: they are one solid.
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
+
+mod common;
+
+use common::{bumpy_sphere, cuboid, inverted, join, rotated, scaled};
+use glam::{DQuat, DVec3};
+use packer::{Solid, TriangleMesh};
+use proptest::prelude::*;
+use std::collections::HashSet;
+
+fn joined(parts: impl IntoIterator<Item = TriangleMesh>) -> TriangleMesh {
+    parts.into_iter().reduce(|a, b| join(&a, &b)).unwrap()
+}
+
+fn block(lower: [f64; 3], upper: [f64; 3]) -> TriangleMesh {
+    cuboid(DVec3::from_array(lower), DVec3::from_array(upper))
+}
+
+fn turn(axis: DVec3, angle: f64) -> DQuat {
+    DQuat::from_axis_angle(axis.normalize(), angle)
+}
+
+/// Parts inside a block, flush with one to four of its faces, add nothing to it and take nothing from it; whichever
+/// way they face.
+#[test]
+fn a_part_flush_with_the_inside_of_another_is_no_cavity() {
+    let whole = block([0.0; 3], [1.0; 3]);
+    for (name, lower, upper) in [
+        ("one face", [0.0, 0.25, 0.25], [0.5, 0.75, 0.75]),
+        ("an edge", [0.0, 0.0, 0.25], [0.5, 0.5, 0.75]),
+        ("a corner", [0.0; 3], [0.5, 0.4, 0.3]),
+        ("two faces", [0.25, 0.25, 0.0], [0.75, 0.75, 1.0]),
+        ("four faces", [0.0, 0.0, 0.25], [1.0, 1.0, 0.75]),
+    ] {
+        for part in [block(lower, upper), inverted(&block(lower, upper))] {
+            for (angle, place) in
+                [(0.0, DVec3::ZERO), (0.7, DVec3::ZERO), (0.7, DVec3::new(300.0, -200.0, 100.0))]
+            {
+                let mesh = rotated(&join(&whole, &part), turn(DVec3::new(1.0, 2.0, 3.0), angle), place);
+                let solid = Solid::new(&mesh).unwrap();
+                let error = solid.properties().volume - 1.0;
+                assert!(error.abs() < 1e-8, "{name}, turned by {angle}: the volume is {error} off");
+                assert_eq!(solid.diagnosis().cavities, 0, "{name}");
+            }
+        }
+    }
+}
+
+/// A cavity remains one when it is shared out among shells, and what lies in it is a part.
+#[test]
+fn a_part_that_lies_in_a_cavity_is_no_cavity() {
+    let cavity = join(&block([0.0; 3], [1.0; 3]), &block([0.2; 3], [0.8; 3]));
+    let stone = block([0.3, 0.3, 0.2], [0.6, 0.6, 0.5]);
+    let solid = Solid::new(&join(&cavity, &stone)).unwrap();
+    assert_eq!((solid.diagnosis().shells, solid.diagnosis().cavities), (3, 1));
+    assert!((solid.properties().volume - (1.0 - 0.216 + 0.027)).abs() < 1e-12);
+}
+
+/// A second copy of every part, off by rounding, by an export in single precision or by less than that.
+#[test]
+fn nearly_the_same_part_twice_is_that_part() {
+    let axis = DVec3::new(1.0, 2.0, 3.0);
+    let cube = block([-0.5; 3], [0.5; 3]);
+    let ball = bumpy_sphere(12, 1.0, 0.3, 5);
+    let hollow = join(&cube, &block([-0.3; 3], [0.3; 3]));
+    let parts = [("cube", cube), ("ball", ball), ("hollow cube", hollow)];
+    for (name, part) in parts {
+        let volume = Solid::new(&part).unwrap().properties().volume;
+        let check = |how: &str, off: f64, copy: TriangleMesh| {
+            let solid = Solid::new(&join(&part, &copy)).unwrap();
+            let error = solid.properties().volume / volume - 1.0;
+            assert!(error.abs() < 20.0 * off + 1e-6, "{name} {how} by {off}: the volume is {error} off");
+        };
+        for power in -16..-3 {
+            let off = 10.0_f64.powi(power);
+            check("moved", off, rotated(&part, DQuat::IDENTITY, DVec3::new(off, 0.0, 0.0)));
+            check("moved aslant", off, rotated(&part, DQuat::IDENTITY, off * axis));
+            check("turned", off, rotated(&part, turn(axis, off), DVec3::ZERO));
+            // From then on the smaller one bounds a cavity, in walls that are thin but walls.
+            if off < 3e-7 {
+                check("larger", off, scaled(&part, 1.0 + off));
+            }
+        }
+        let placed = rotated(&part, turn(axis, 0.7), DVec3::splat(0.3));
+        let mut single = placed.clone();
+        single.vertices.iter_mut().for_each(|v| *v = v.as_vec3().as_dvec3());
+        let solid = Solid::new(&join(&placed, &single)).unwrap();
+        let error = solid.properties().volume / volume - 1.0;
+        assert!(error.abs() < 1e-6, "{name} in single precision: the volume is {error} off");
+    }
+}
+
+/// Unit cubes at these places, in steps of half their edge.
+fn cubes(places: &[[u8; 3]]) -> TriangleMesh {
+    joined(places.iter().map(|place| {
+        let lower = 0.5 * DVec3::from_array(place.map(f64::from));
+        cuboid(lower, lower + 1.0)
+    }))
+}
+
+/// Volume of their union, counted in cells of the lattice.
+fn union_volume(places: &[[u8; 3]]) -> f64 {
+    let cells: HashSet<[u8; 3]> = places
+        .iter()
+        .flat_map(|p| (0..8_u8).map(move |i| [p[0] + (i & 1), p[1] + (i >> 1 & 1), p[2] + (i >> 2)]))
+        .collect();
+    cells.len() as f64 / 8.0
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Cubes that have faces, halves of faces, edges and corners in common, or everything.
+    #[test]
+    fn cubes_on_a_lattice_are_their_union(
+        places in prop::collection::vec(prop::array::uniform3(0..4_u8), 1..11),
+        axis in prop::array::uniform3(0.1..1.0_f64),
+        angle in prop_oneof![Just(0.0), 0.0..3.0_f64],
+    ) {
+        let mesh = rotated(&cubes(&places), turn(DVec3::from_array(axis), angle), DVec3::ZERO);
+        let solid = Solid::new(&mesh).unwrap();
+        let (volume, expected) = (solid.properties().volume, union_volume(&places));
+        prop_assert!((volume / expected - 1.0).abs() < 1e-9, "{volume} is not {expected}");
+        let again = Solid::new(solid.mesh()).unwrap();
+        prop_assert!((again.properties().volume / expected - 1.0).abs() < 1e-9);
+    }
+}
