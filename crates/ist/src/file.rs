@@ -177,7 +177,12 @@ impl SpherePacking {
     #[cfg(feature = "std")]
     pub fn load(path: impl AsRef<std::path::Path>) -> Result<Self, FileError> {
         let path = path.as_ref();
-        let bytes = std::fs::read(path).map_err(|source| FileError::Io { path: path.into(), source })?;
+        let io_error = |source| FileError::Io { path: path.into(), source };
+        // To read from a pipe would be to wait for whoever writes to it.
+        if !std::fs::metadata(path).map_err(io_error)?.is_file() {
+            return Err(io_error(std::io::Error::other("it is no regular file")));
+        }
+        let bytes = std::fs::read(path).map_err(io_error)?;
         Self::from_bytes(&bytes)
     }
 }

@@ -3,33 +3,13 @@
 #![cfg(feature = "cli")]
 
 mod common;
+#[path = "common/program.rs"]
+mod program;
 
 use ist::SpherePacking;
+use program::{folder, names, packer};
 use std::path::Path;
 use std::process::{Command, Output};
-use tempfile::TempDir;
-
-fn packer<const N: usize>(folder: &Path, arguments: [&str; N]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_packer")).current_dir(folder).args(arguments).output().unwrap()
-}
-
-/// A folder with a mesh `cube.obj` in it.
-fn folder() -> TempDir {
-    let folder = TempDir::new().unwrap();
-    let mut text = String::new();
-    let cube = common::cuboid(glam::DVec3::ZERO, glam::DVec3::ONE);
-    cube.vertices.iter().for_each(|v| text += &format!("v {} {} {}\n", v.x, v.y, v.z));
-    cube.triangles.iter().for_each(|t| text += &format!("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1));
-    std::fs::write(folder.path().join("cube.obj"), text).unwrap();
-    folder
-}
-
-fn names(folder: &Path) -> Vec<String> {
-    let mut names: Vec<_> =
-        std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
-    names.sort();
-    names
-}
 
 fn json(output: &Output) -> serde_json::Value {
     serde_json::from_slice(&output.stdout).unwrap()
@@ -294,44 +274,6 @@ fn exports_of_pack_and_info_are_the_same() {
         names(at),
         ["1.csv", "1.json", "1.png", "1.urdf", "2.csv", "2.json", "2.png", "2.urdf", "cube.ist", "cube.obj"]
     );
-}
-
-#[test]
-fn no_output_replaces_the_input_or_another_output() {
-    let folder = folder();
-    let at = folder.path();
-    assert!(packer(at, ["pack", "cube.obj", "-o", "cube.ist", "-n", "9"]).status.success());
-    let read = |name: &str| std::fs::read(at.join(name)).unwrap();
-    let before = (names(at), read("cube.obj"), read("cube.ist"));
-    for (arguments, message) in [
-        (vec!["pack", "cube.obj", "-o", "cube.obj"], "cube.obj is the input"),
-        (vec!["pack", "cube.obj", "-o", "./cube.obj"], "./cube.obj is the input"),
-        (vec!["pack", "cube.obj", "-o", "x.ist", "--csv", "cube.obj"], "cube.obj is the input"),
-        (vec!["pack", "cube.obj", "-o", "x.ist", "--csv", "./x.ist"], "./x.ist is named for two outputs"),
-        (vec!["info", "cube.ist", "--preview", "cube.ist"], "cube.ist is the input"),
-        (vec!["info", "cube.ist", "--csv", "t", "--urdf", "t"], "t is named for two outputs"),
-        (vec!["info", "cube.ist", "--csv", "no/t"], "output folder no does not exist"),
-        (vec!["info", "cube.ist", "--preview", "."], "is a folder"),
-        (vec!["info", "cube.ist", "--urdf", "t", "--density", "0"], "density 0"),
-        (vec!["info", "cube.ist", "--urdf", "t", "--density", "-2"], "density -2"),
-        (vec!["info", "cube.ist", "--urdf", "t", "--density", "inf"], "density inf"),
-        (vec!["info", "cube.ist", "--density", "2"], "--urdf"),
-        (vec!["completions", "basic"], "bash"),
-    ] {
-        let output =
-            Command::new(env!("CARGO_BIN_EXE_packer")).current_dir(at).args(&arguments).output().unwrap();
-        let stderr = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {stderr}");
-        assert!(stderr.contains(message), "{arguments:?}: {stderr}");
-    }
-    assert_eq!((names(at), read("cube.obj"), read("cube.ist")), before);
-    #[cfg(unix)]
-    {
-        std::os::unix::fs::symlink("cube.obj", at.join("link.obj")).unwrap();
-        let output = packer(at, ["pack", "link.obj", "-o", "cube.obj"]);
-        assert_eq!(output.status.code(), Some(2), "{output:?}");
-        assert!(read("cube.obj") == before.1);
-    }
 }
 
 #[test]

@@ -10,6 +10,10 @@ use gltf::scene::Transform;
 use gltf::{Gltf, Node, Primitive, Semantic};
 use std::path::Path;
 
+/// Most vertices, and faces: nodes can place a mesh so often that a file of a megabyte needs all memory. A choice: together
+/// they take 1.8 GB.
+const MOST: usize = 50_000_000;
+
 pub(super) fn parse(bytes: &[u8], folder: &Path) -> Parsed {
     check_length(bytes)?;
     let gltf = Gltf::from_slice(bytes).map_err(|error| error.to_string())?;
@@ -21,19 +25,54 @@ pub(super) fn parse(bytes: &[u8], folder: &Path) -> Parsed {
         })
         .collect::<Result<Vec<_>, _>>()?;
     let scene = gltf.default_scene().or_else(|| gltf.scenes().next()).ok_or("the file has no scene")?;
+    let primitives = placed(&gltf, scene.nodes().collect())?;
+    let count = |size: fn(&Primitive) -> usize| {
+        primitives.iter().fold(0, |sum: usize, (primitive, _)| sum.saturating_add(size(primitive)))
+    };
+    if count(vertices).max(count(faces)) > MOST {
+        return Err(format!("its nodes place more than {MOST} vertices or faces; leave out copies"));
+    }
     let mut mesh = TriangleMesh::default();
-    // Nodes form a forest in valid files; in others, a cycle must not run for ever.
-    let mut budget = gltf.nodes().len();
-    let mut open: Vec<(Node, DMat4)> = scene.nodes().map(|node| (node, DMat4::IDENTITY)).collect();
-    while let Some((node, parent)) = open.pop() {
-        budget = budget.checked_sub(1).ok_or("the nodes form a cycle")?;
-        let pose = parent * pose_in_parent(&node);
-        for primitive in node.mesh().iter().flat_map(|mesh| mesh.primitives()) {
-            add_primitive(&mut mesh, &primitive, &pose, &buffers)?;
-        }
-        open.extend(node.children().map(|child| (child, pose)));
+    for (primitive, pose) in &primitives {
+        add_primitive(&mut mesh, primitive, pose, &buffers)?;
     }
     Ok(mesh)
+}
+
+/// All primitives of surfaces below the nodes `roots`, and their poses in the scene.
+fn placed<'a>(gltf: &Gltf, roots: Vec<Node<'a>>) -> Result<Vec<(Primitive<'a>, DMat4)>, String> {
+    // Nodes form a forest in valid files; in others, a cycle must not run for ever.
+    let mut is_placed = vec![false; gltf.nodes().len()];
+    let mut open: Vec<(Node, DMat4)> = roots.into_iter().map(|node| (node, DMat4::IDENTITY)).collect();
+    let mut primitives = Vec::new();
+    while let Some((node, parent)) = open.pop() {
+        if std::mem::replace(&mut is_placed[node.index()], true) {
+            return Err(format!(
+                "node {} has two parents, or is its own; nodes must form trees",
+                node.index()
+            ));
+        }
+        let pose = parent * pose_in_parent(&node);
+        let all = node.mesh().into_iter().flat_map(|mesh| mesh.primitives());
+        primitives.extend(all.filter(|primitive| has_faces(primitive)).map(|primitive| (primitive, pose)));
+        open.extend(node.children().map(|child| (child, pose)));
+    }
+    Ok(primitives)
+}
+
+fn has_faces(primitive: &Primitive) -> bool {
+    matches!(primitive.mode(), Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
+}
+
+/// Number of vertices of a primitive, as announced.
+fn vertices(primitive: &Primitive) -> usize {
+    primitive.get(&Semantic::Positions).map_or(0, |positions| positions.count())
+}
+
+/// Number of faces of a primitive, as announced.
+fn faces(primitive: &Primitive) -> usize {
+    let corners = primitive.indices().map_or(vertices(primitive), |indices| indices.count());
+    if primitive.mode() == Mode::Triangles { corners / 3 } else { corners }
 }
 
 /// The crate gltf subtracts the header's size from the length that a binary file claims, whatever that is.
@@ -67,9 +106,6 @@ fn add_primitive(
     pose: &DMat4,
     buffers: &[Vec<u8>],
 ) -> Result<(), String> {
-    if matches!(primitive.mode(), Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
-        return Ok(());
-    }
     let accessor = primitive.get(&Semantic::Positions).ok_or("a primitive has no positions")?;
     let positions = accessor::positions(&accessor, buffers)?;
     let base = mesh.vertices.len() as u32;

@@ -55,11 +55,13 @@ impl TriangleMesh {
         if bytes.is_empty() {
             return Err(MeshError::EmptyFile { path: path.into() });
         }
+        // Some editors mark text as UTF-8 in front of its first word. A binary STL file may begin with anything.
+        let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&bytes);
         let parse = || match format {
-            "OBJ" => obj::parse(&bytes),
+            "OBJ" => obj::parse(text),
             "STL" => stl::parse(&bytes),
-            "PLY" => ply::parse(&bytes),
-            _ => gltf::parse(&bytes, path.parent().unwrap_or(Path::new(""))),
+            "PLY" => ply::parse(text),
+            _ => gltf::parse(text, path.parent().unwrap_or(Path::new(""))),
         };
         // The crate gltf panics where a primitive's positions are an accessor that does not exist. A file at which a
         // reader panics is damaged, not the program.

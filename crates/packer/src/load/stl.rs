@@ -22,36 +22,44 @@ pub(super) fn parse(bytes: &[u8]) -> Parsed {
     Ok(mesh)
 }
 
-/// `stl_io` takes every file for ASCII that begins with `solid` and a blank, and none else. Some exporters
-/// write that word into binary headers, others leave out the name: the length tells binary files apart.
+/// `stl_io` takes every file for ASCII that begins with `solid` and a blank, and none else. Some exporters write that word
+/// into binary headers, others leave out the name, or begin with a mark or a blank line.
 fn normalise(bytes: &[u8]) -> Vec<u8> {
-    let is_binary = bytes.get(HEADER..HEADER + 4).is_some_and(|count| {
-        let count = u32::from_le_bytes([count[0], count[1], count[2], count[3]]) as usize;
-        bytes.len() == HEADER + 4 + count * RECORD
-    });
-    if is_binary {
-        let mut out = bytes.to_vec();
+    if let Some(end) = end_of_binary(bytes) {
+        let mut out = bytes[..end].to_vec();
         out[..HEADER].fill(b' ');
-        out
-    } else if bytes.get(..5).is_some_and(|start| start.eq_ignore_ascii_case(b"solid")) {
-        one_solid(bytes)
+        return out;
+    }
+    let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes).trim_ascii_start();
+    if text.get(..5).is_some_and(|start| start.eq_ignore_ascii_case(b"solid")) {
+        one_solid(text)
     } else {
         bytes.to_vec()
     }
 }
 
+/// Where the last facet of a binary file ends. The length tells it from text; and where something follows the facets, the zeros
+/// in their number, of which text has none.
+fn end_of_binary(bytes: &[u8]) -> Option<usize> {
+    let count = bytes.get(HEADER..HEADER + 4)?;
+    let facets = u32::from_le_bytes([count[0], count[1], count[2], count[3]]) as usize;
+    let end = HEADER + 4 + facets * RECORD;
+    (bytes.len() == end || (bytes.len() > end && count.contains(&0))).then_some(end)
+}
+
 /// All solids of an ASCII file as one without a name: `stl_io` reads the first only, and names may be in any
-/// encoding. A file that is cut off stays so.
+/// encoding. Normals are left out, as some exporters write `nan` for those of thin facets. A file that is cut off stays so.
 fn one_solid(bytes: &[u8]) -> Vec<u8> {
     let mut out = b"solid \n".to_vec();
     let mut is_complete = false;
     for line in bytes.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii).filter(|line| !line.is_empty()) {
         let line = line.to_ascii_lowercase();
         is_complete = line.starts_with(b"endsolid");
-        if !is_complete && !line.starts_with(b"solid") {
-            out.extend(line);
-            out.push(b'\n');
+        if is_complete || line.starts_with(b"solid") {
+            continue;
         }
+        out.extend(if line.starts_with(b"facet") { b"facet normal 0 0 0" } else { &line[..] });
+        out.push(b'\n');
     }
     if is_complete {
         out.extend(b"endsolid \n");

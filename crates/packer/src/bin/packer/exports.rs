@@ -34,7 +34,7 @@ pub(crate) struct ExportArguments {
 impl ExportArguments {
     /// Refuses files that cannot be written, before any work is done for them.
     pub(crate) fn check(&self) -> anyhow::Result<()> {
-        self.files().try_for_each(output::check_writable)?;
+        self.kinds().try_for_each(|(path, kind)| output::check_writable(path, kind))?;
         if self.urdf.is_some() && !(self.density > 0.0 && self.density.is_finite()) {
             return Err(export::ExportError::InvalidDensity { density: self.density }.into());
         }
@@ -43,7 +43,18 @@ impl ExportArguments {
 
     /// The files asked for.
     pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
-        [&self.csv, &self.spheres_json, &self.urdf, &self.preview].into_iter().filter_map(Option::as_deref)
+        self.kinds().map(|(path, _)| path)
+    }
+
+    fn kinds(&self) -> impl Iterator<Item = (&Path, output::Kind)> {
+        [
+            (&self.csv, output::TABLE),
+            (&self.spheres_json, output::JSON),
+            (&self.urdf, output::URDF),
+            (&self.preview, output::PICTURE),
+        ]
+        .into_iter()
+        .filter_map(|(path, kind)| Some((path.as_deref()?, kind)))
     }
 
     /// Writes the files. `name` is that of the packing's file; the picture shows the surface of `solid` if there

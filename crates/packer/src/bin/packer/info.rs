@@ -19,8 +19,8 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    arguments.exports.check()?;
     output::check_distinct(&arguments.input, arguments.exports.files())?;
+    arguments.exports.check()?;
     let packing = SpherePacking::load(&arguments.input)
         .with_context(|| format!("cannot show {}", arguments.input.display()))?;
     arguments.exports.write(&packing, &arguments.input, None)?;

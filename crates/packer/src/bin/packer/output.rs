@@ -1,7 +1,8 @@
 //! Files that are there whole or not at all, and lines on standard output.
 
 use anyhow::{Context, bail};
-use std::io::{Error, ErrorKind, Write};
+use std::fs::File;
+use std::io::{Error, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
 /// Start of the names of files that are being written.
@@ -14,16 +15,49 @@ fn folder(path: &Path) -> &Path {
     path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Refuses a path that cannot be written, before any work is done for it.
-pub(crate) fn check_writable(path: &Path) -> anyhow::Result<()> {
+/// What is written, and how files of the kind begin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Kind {
+    name: &'static str,
+    beginning: &'static [u8],
+}
+
+pub(crate) const PACKING: Kind = Kind { name: "packing", beginning: b"\x89IST" };
+pub(crate) const TABLE: Kind = Kind { name: "table of spheres", beginning: b"x,y,z,radius," };
+pub(crate) const JSON: Kind = Kind { name: "list of spheres", beginning: b"{\"provenance\":" };
+pub(crate) const URDF: Kind =
+    Kind { name: "URDF file", beginning: b"<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<robot " };
+pub(crate) const PICTURE: Kind = Kind { name: "PNG picture", beginning: b"\x89PNG" };
+
+/// Refuses a path that cannot be written, or where something else would be lost, before any work is done for it.
+pub(crate) fn check_writable(path: &Path, kind: Kind) -> anyhow::Result<()> {
     if path.is_dir() || path.file_name().is_none() {
         bail!("{} is a folder; name a file in it", path.display());
     }
+    check_replaceable(path, kind)?;
     let folder = folder(path);
     if !folder.is_dir() {
         bail!("the output folder {} does not exist; create it first", folder.display());
     }
     check_folder(folder, "")
+}
+
+/// Refuses to replace what is there, unless it is empty or begins as what is to be written.
+fn check_replaceable(path: &Path, kind: Kind) -> anyhow::Result<()> {
+    let Ok(metadata) = path.metadata() else { return Ok(()) };
+    let name = path.display();
+    // Files are replaced as a whole, and a device or a pipe with them.
+    if !metadata.is_file() {
+        bail!("{name} is no regular file; name one, and lead it from there");
+    }
+    let mut beginning = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(kind.beginning.len() as u64).read_to_end(&mut beginning))
+        .with_context(|| format!("cannot read {name}, which would be replaced; choose another name"))?;
+    if !beginning.is_empty() && beginning != kind.beginning {
+        bail!("{name} is there and is no {}; choose another name, or remove it first", kind.name);
+    }
+    Ok(())
 }
 
 /// Refuses a folder in which no file can be made; `tag` is for the name of the one that is tried.
@@ -61,7 +95,8 @@ pub(crate) fn check_distinct<'a>(
     Ok(())
 }
 
-/// Writes `bytes` to a temporary file beside `path` and renames it: readers see the old file or the new one.
+/// Writes `bytes` to a temporary file beside `path` and renames it: readers see the old file or the new one. Links stay, and
+/// the file that they stand for is replaced.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     write_tagged(path, bytes, "")
 }
@@ -69,15 +104,16 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
 /// As [`write`], with `tag` in the name of the temporary file.
 pub(crate) fn write_tagged(path: &Path, bytes: &[u8], tag: &str) -> anyhow::Result<()> {
     let prefix = format!("{UNFINISHED}{tag}");
+    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let write = || -> std::io::Result<()> {
         let mut builder = tempfile::Builder::new();
         // Temporary files are private; a result is as readable as any other file.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644));
-        let mut file = builder.prefix(&prefix).tempfile_in(folder(path))?;
+        let mut file = builder.prefix(&prefix).tempfile_in(folder(&target))?;
         file.write_all(bytes)?;
         file.as_file().sync_all()?;
-        file.persist(path)?;
+        file.persist(&target)?;
         Ok(())
     };
     // Another run may take the temporary file for one that a killed run had left; but a folder that is gone is gone.

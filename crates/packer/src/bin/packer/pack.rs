@@ -30,10 +30,10 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let options = arguments.packing.options(&arguments.input)?;
-    output::check_writable(&arguments.output)?;
-    arguments.exports.check()?;
     let outputs = std::iter::once(arguments.output.as_path()).chain(arguments.exports.files());
     output::check_distinct(&arguments.input, outputs)?;
+    output::check_writable(&arguments.output, output::PACKING)?;
+    arguments.exports.check()?;
     let report = arguments.threads.pool()?.install(|| {
         let (solid, packed) = pack_file(arguments, &options)?;
         output::write(&arguments.output, &packed.packing.to_bytes())?;
