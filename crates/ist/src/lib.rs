@@ -154,6 +154,7 @@
 
 extern crate alloc;
 
+mod certified;
 mod file;
 mod grid;
 pub mod lens;

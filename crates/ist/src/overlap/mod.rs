@@ -68,7 +68,7 @@ pub struct Overlap {
     pub deepest: Option<DeepestPair>,
     /// Overlapping pairs of spheres.
     pub pairs: u32,
-    /// Whether two certified inner balls meet: never true for solids that are apart.
+    /// Whether two certified inner balls meet: never true for two packed solids that are apart.
     pub intersects: bool,
 }
 
@@ -227,9 +227,10 @@ impl Overlap {
         let [in_a, in_b] = totals.deepest.spheres;
         let centroid = totals.moment / totals.volume;
         Self {
-            stiffness: query
-                .stiffness
-                .then(|| totals.stiffness.about(centroid, totals.gradient.force, scale)),
+            stiffness: query.stiffness.then(|| {
+                let pivot = centroid - stiffness::origin(a.data()).as_dvec3();
+                totals.stiffness.about(pivot, totals.gradient.force, scale)
+            }),
             deepest: Some(DeepestPair {
                 spheres: [a.packing_index(in_a as usize), b.packing_index(in_b as usize)],
                 depth: totals.deepest.depth * a.unit(),

@@ -2,6 +2,7 @@
 
 use super::lens_lanes::Lanes3;
 use crate::InnerSphereTree;
+use crate::certified::{CertifiedBalls, CertifiedPlacement};
 use crate::rotation;
 use crate::tree::{BallBlock, TreeData};
 use fearless_simd::{Simd, f32x8, prelude::*};
@@ -24,6 +25,8 @@ pub(super) struct RelativePose {
     /// Skins of A and B, in A's unscaled frame.
     pub(super) skin_a: f32,
     pub(super) skin_b: f32,
+    /// The same in double precision.
+    certified: CertifiedPlacement,
 }
 
 /// Units of B relative to A's, at least and at most: the padding of B, 1e30 of them from its origin, must not come near A, and
@@ -52,7 +55,8 @@ impl RelativePose {
         if !(resolved && translation.abs().max_element() < FARTHEST) {
             return None;
         }
-        Some(Self { rotation, linear: rotation * scale, translation, scale, skin_a, skin_b })
+        let certified = CertifiedPlacement::new(a, b, pose);
+        Some(Self { rotation, linear: rotation * scale, translation, scale, skin_a, skin_b, certified })
     }
 
     /// The same with every ball of B larger by `margin`, in A's unscaled frame.
@@ -75,6 +79,11 @@ impl RelativePose {
     /// of their own coordinates: next to a large A that is nothing.
     pub(super) fn enlargement(&self, trees: (&TreeData, &TreeData)) -> f32 {
         2.0 * self.rounding(trees)
+    }
+
+    /// The inner balls of both.
+    pub(super) fn certified_balls<'a>(&self, a: &'a TreeData, b: &'a TreeData) -> CertifiedBalls<'a> {
+        CertifiedBalls::new([a, b], self.certified)
     }
 
     /// A point of B's unscaled frame in A's.

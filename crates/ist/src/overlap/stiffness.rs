@@ -13,8 +13,9 @@
 
 use super::lens_lanes::{Lanes3, LensLanes};
 use super::totals::sum;
+use crate::tree::TreeData;
 use fearless_simd::{Simd, f32x8};
-use glam::{DMat3, DVec3, Mat3};
+use glam::{DMat3, DVec3, Mat3, Vec3};
 
 /// How the wrench of [`ForceLaw::VolumeGradient`](super::ForceLaw::VolumeGradient) answers to a displacement of B: minus
 /// its derivative by a translation t and a rotation vector ω about the overlap's centroid, for a pressure of 1 N/m².
@@ -51,7 +52,7 @@ impl StiffnessMatrix {
     }
 }
 
-/// Sums of the terms of H about the origin of A's frame.
+/// Sums of the terms of H about [`origin`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StiffnessSum {
     /// Σ p n nᵀ.
@@ -68,6 +69,12 @@ pub(super) struct StiffnessSum {
     transverse_rr: DMat3,
     /// Σ V' n rᵀ.
     first: DMat3,
+}
+
+/// The point of A's unscaled frame that r is measured from: the middle of its root. About the origin of the frame, which may be far from
+/// the solid, squares of distances would leave single precision nothing of what they differ by.
+pub(super) fn origin(a: &TreeData) -> Vec3 {
+    a.root().get(0).0
 }
 
 /// Zero; the default of a matrix is the identity.
@@ -96,7 +103,8 @@ impl StiffnessSum {
         self.first += other.first;
     }
 
-    /// H about `pivot`, each sum shifted by r ↦ r − pivot, with A at `scale`; `force` is Σ A n.
+    /// H about `pivot`, which is measured from [`origin`]: each sum is shifted by r ↦ r − pivot. A is at `scale`, and `force` is
+    /// Σ A n.
     pub(super) fn about(&self, pivot: DVec3, force: DVec3, scale: f64) -> StiffnessMatrix {
         let cross = cross_matrix(pivot);
         let outer = |a: DVec3, b: DVec3| DMat3::from_cols(a * b.x, a * b.y, a * b.z);
@@ -160,7 +168,7 @@ impl<S: Simd> StiffnessLanes<S> {
         }
     }
 
-    /// Adds the pairs of `lens` with B's centres at `r`.
+    /// Adds the pairs of `lens` with B's centres at `r` from [`origin`].
     #[inline(always)]
     pub(super) fn add(&mut self, lens: &LensLanes<S>, r: Lanes3<S>) {
         let n = lens.axis;

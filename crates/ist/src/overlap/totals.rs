@@ -3,10 +3,10 @@
 use super::lens_lanes::{CenterLines, Lanes3, LensLanes, PairLanes};
 use super::pairs::{PairBuffer, PairSink};
 use super::relative_pose::RelativePose;
-use super::stiffness::{StiffnessLanes, StiffnessSum};
+use super::stiffness::{self, StiffnessLanes, StiffnessSum};
 use crate::tree::{Leaf, TreeData, WIDTH};
 use fearless_simd::{Simd, f32x8, prelude::*, u32x8};
-use glam::{DVec3, Mat3};
+use glam::{DVec3, Mat3, Vec3};
 
 /// Sum of forces and of their torques about A's origin, in A's frame.
 #[derive(Clone, Copy, Debug, Default)]
@@ -86,12 +86,14 @@ impl<'a> TotalsSink<'a> {
             let index = index as usize;
             (tree.inner_center[index], tree.inner_radius[index])
         };
+        let certified = self.pose.certified_balls(self.a, self.b);
         (0..pairs.len()).any(|i| {
             let [in_a, in_b] = self.spheres(pairs, i);
             let (center_a, radius_a) = ball(self.a, in_a);
             let (center_b, radius_b) = ball(self.b, in_b);
             let reach = radius_a + radius_b * self.pose.scale;
-            center_a.distance_squared(self.pose.transform_point(center_b)) < reach * reach
+            let seem_to_meet = center_a.distance_squared(self.pose.transform_point(center_b)) < reach * reach;
+            seem_to_meet && certified.meet([in_a as usize, in_b as usize])
         })
     }
 }
@@ -116,6 +118,7 @@ impl TotalsSink<'_> {
         let mut gradient = WrenchLanes::zero(simd);
         let mut outward = gradient;
         let mut stiffness = StiffnessLanes::zero(simd);
+        let origin = Lanes3::splat(simd, stiffness::origin(self.a));
         let mut deepest = (f32x8::splat(simd, 0.0), u32x8::splat(simd, 0));
         let mut overlapping = 0;
         // The centre lines of a block are found while the lenses of the one before it are. Their root and division take 40 cycles,
@@ -133,7 +136,7 @@ impl TotalsSink<'_> {
             moment = moment.plus(lens.moment);
             gradient.add(lens.axis, lens.area, balls.center_a.scale(lens.area));
             if STIFFNESS {
-                stiffness.add(&lens, balls.center_b);
+                stiffness.add(&lens, balls.center_b.minus(origin));
             }
             let deeper = lens.depth.simd_gt(deepest.0);
             deepest.0 = deeper.select(lens.depth, deepest.0);
@@ -226,6 +229,12 @@ impl<S: Simd> Lanes3<S> {
     pub(super) fn zero(simd: S) -> Self {
         let zero = f32x8::splat(simd, 0.0);
         Self { x: zero, y: zero, z: zero }
+    }
+
+    #[inline(always)]
+    fn splat(simd: S, p: Vec3) -> Self {
+        let [x, y, z] = p.to_array().map(|x| f32x8::splat(simd, x));
+        Self { x, y, z }
     }
 
     #[inline(always)]

@@ -5,6 +5,7 @@ use super::placement::Placement;
 use super::side::{Bits, Side, nearest_last};
 use super::{BallKind, ProximityWorkspace};
 use crate::InnerSphereTree;
+use crate::certified::{CertifiedBalls, CertifiedPlacement};
 use crate::simd_level::simd_level;
 use crate::tree::WIDTH;
 use alloc::vec::Vec;
@@ -28,7 +29,10 @@ impl InnerSphereTree {
         if !meet(roots[0], (roots[1].0, roots[1].1 + placement.rounding)) {
             return false;
         }
-        dispatch!(simd_level(), simd => some_pair_meets(simd, sides, placement.rounding, &mut workspace.stack))
+        let certified =
+            CertifiedBalls::new([self.data(), other.data()], CertifiedPlacement::new(self, other, pose));
+        let pair = Pair { sides, slack: placement.rounding, certified };
+        dispatch!(simd_level(), simd => some_pair_meets(simd, &pair, &mut workspace.stack))
     }
 }
 
@@ -42,28 +46,44 @@ fn are_alike(nodes: Nodes, [a, b]: [(Vec3, f32); 2]) -> bool {
     nodes.level[0] > 0 && nodes.level[1] > 0 && a.1 < ALIKE * b.1 && b.1 < ALIKE * a.1
 }
 
-/// The test of the overlap, operation by operation.
+/// What is searched.
+struct Pair<'a> {
+    sides: [Side<'a>; 2],
+    /// Nodes count as meeting when they are less than this apart.
+    slack: f32,
+    certified: CertifiedBalls<'a>,
+}
+
+impl Pair<'_> {
+    /// The test of the overlap, operation by operation: whether two balls of the lowest level meet.
+    #[inline(always)]
+    fn meet(&self, positions: [usize; 2], a: (Vec3, f32), b: (Vec3, f32)) -> bool {
+        meet(a, b) && self.certified.meet(positions)
+    }
+}
+
 #[inline(always)]
 fn meet(a: (Vec3, f32), b: (Vec3, f32)) -> bool {
     let reach = a.1 + b.1;
     a.0.distance_squared(b.0) < reach * reach
 }
 
-/// Whether two balls meet; nodes count as meeting when they are less than `slack` apart.
+/// Whether two balls meet.
 #[inline(always)]
-fn some_pair_meets<S: Simd>(simd: S, sides: [Side; 2], slack: f32, stack: &mut Vec<Nodes>) -> bool {
+fn some_pair_meets<S: Simd>(simd: S, pair: &Pair, stack: &mut Vec<Nodes>) -> bool {
+    let Pair { sides, slack, .. } = *pair;
     stack.clear();
     stack.push(Nodes::roots([&sides[0], &sides[1]]));
     while let Some(nodes) = stack.pop() {
         let balls = nodes.balls(&sides);
         if nodes.are_leaves() {
-            if meet(balls[0], balls[1]) {
+            if pair.meet(nodes.node.map(|node| node as usize), balls[0], balls[1]) {
                 return true;
             }
             continue;
         }
         if nodes.level == [1, 1] {
-            if some_sphere_meets(simd, sides, nodes, (balls[0], slack)) {
+            if some_sphere_meets(simd, pair, nodes, balls[0]) {
                 return true;
             }
             continue;
@@ -115,12 +135,8 @@ fn push_pairs<S: Simd>(
 
 /// Whether two spheres below nodes of level 1 meet; `node_a` is A's ball.
 #[inline(always)]
-fn some_sphere_meets<S: Simd>(
-    simd: S,
-    sides: [Side; 2],
-    nodes: Nodes,
-    (node_a, slack): ((Vec3, f32), f32),
-) -> bool {
+fn some_sphere_meets<S: Simd>(simd: S, pair: &Pair, nodes: Nodes, node_a: (Vec3, f32)) -> bool {
+    let Pair { sides, slack, .. } = *pair;
     let first = nodes.node.map(|node| node as usize * WIDTH);
     let (block_b, live_b) = sides[1].block(simd, 0, first[1]);
     let rows = block_b.nearer_than(slack, node_a) & live_b;
@@ -131,7 +147,8 @@ fn some_sphere_meets<S: Simd>(
     for row in Bits(rows) {
         let ball_b = sides[1].ball(0, first[1] + row);
         for lane in Bits(block_a.nearer_than(slack, block_b.ball(row)) & live_a) {
-            if meet(sides[0].ball(0, first[0] + lane), ball_b) {
+            let positions = [first[0] + lane, first[1] + row];
+            if pair.meet(positions, sides[0].ball(0, positions[0]), ball_b) {
                 return true;
             }
         }

@@ -74,6 +74,27 @@ proptest! {
         }
     }
 
+    /// Of two balls of 0.5 m, 173 m from the origins of their frames and up to 20 µm apart, every ninth pair was said to meet.
+    #[test]
+    fn issue_balls_that_are_apart_do_not_intersect(
+        radii in prop::array::uniform2(0.1_f32..1.0), scales in prop::array::uniform2(0.2_f32..5.0),
+        origins in prop::array::uniform2(prop::array::uniform3(-100.0_f32..100.0)), far in prop_oneof![Just(0.0_f32), Just(1.0)],
+        pose in random_pose(1.0), gap in -1e-6_f32..1e-6,
+    ) {
+        let solid = |i: usize| {
+            balls(&[(Vec3::from_array(origins[i]) * far, radii[i])]).scaled(scales[i]).unwrap()
+        };
+        let (a, b) = (solid(0), solid(1));
+        let [center_a, center_b] = [&a, &b].map(|tree| tree.inner_balls().next().unwrap().0);
+        let away = pose.translation.try_normalize().unwrap_or(Vec3::X);
+        let distance = radii[0] * scales[0] + radii[1] * scales[1] + gap * (1.0 + 100.0 * far);
+        let pose = Pose3::from_parts(center_a + away * distance - pose.rotation * center_b, pose.rotation);
+        let meet = reference::distance(&a, &b, &pose, BallKind::Inner).gap < 0.0;
+        let said = a.intersects(&b, &pose, &mut Default::default());
+        prop_assert!(meet || !said);
+        prop_assert_eq!(a.overlap(&b, &pose, &mut OverlapWorkspace::default()).intersects, said);
+    }
+
     #[test]
     fn a_used_workspace_changes_nothing(
         a in random_tree(200), b in random_tree(200), poses in prop::collection::vec(random_pose(6.0), 2..5),
