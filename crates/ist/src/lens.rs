@@ -16,7 +16,8 @@ use core::f64::consts::PI;
 pub struct Lens {
     /// Volume (m³).
     pub volume: f64,
-    /// Area of the disc that the intersection circle bounds (m²); `−dV/dd`. Zero where one ball contains the other.
+    /// Area of the disc that the intersection circle bounds (m²); `−dV/dd`. Zero where one ball contains the other, unless the two are
+    /// the same: then that of their great circle, which it comes near to before.
     pub area: f64,
     /// Signed distance of the centroid from the first centre (m).
     pub centroid: f64,
@@ -28,12 +29,15 @@ pub struct Lens {
 impl Lens {
     /// The lens of balls of radii `a` and `b` (m) at distance `d` (m) of their centres.
     ///
-    /// All-zero where the balls do not meet. Where one contains the other, the smaller ball.
+    /// All-zero where the balls do not meet, where one has no radius above zero, and where a number is not finite or so small that
+    /// f64 has no volumes for it. Where one contains the other, the smaller ball. Exact to rounding for radii up to 1e70 m.
     #[must_use]
     pub fn new(a: f64, b: f64, d: f64) -> Self {
         let h = a + b - d;
-        if h <= 0.0 {
-            return Self { volume: 0.0, area: 0.0, centroid: 0.0, curvature: 0.0 };
+        let nothing = Self { volume: 0.0, area: 0.0, centroid: 0.0, curvature: 0.0 };
+        // False for what is not a number, too.
+        if !(h > 0.0 && a > 0.0 && b > 0.0 && h < f64::INFINITY) {
+            return nothing;
         }
         // Concentric balls: any positive distance gives the same clamped heights.
         let d = d.max(SQUARABLE);
@@ -41,6 +45,9 @@ impl Lens {
         let h_b = (h * (a - b + d) / (2.0 * d)).clamp(0.0, 2.0 * b);
         let cap_b = PI / 3.0 * h_b * h_b * (3.0 * b - h_b);
         let volume = PI / 3.0 * h_a * h_a * (3.0 * a - h_a) + cap_b;
+        if volume == 0.0 {
+            return nothing;
+        }
         let (chord_a, chord_b) = (h_a * (2.0 * a - h_a), h_b * (2.0 * b - h_b));
         let (moment_a, moment_b) = (PI / 4.0 * (chord_a * chord_a), PI / 4.0 * (chord_b * chord_b));
         let area = PI * h_a * (2.0 * a - h_a);
@@ -92,7 +99,35 @@ mod tests {
         assert!((Lens::new(a, b, d).volume - textbook).abs() < 1e-15);
     }
 
+    #[test]
+    fn issue_no_radius_has_no_lens() {
+        let nothing = Lens::new(1.0, 1.0, 3.0);
+        assert_eq!((nothing.volume, nothing.area, nothing.centroid, nothing.curvature), (0.0, 0.0, 0.0, 0.0));
+        for (a, b, d) in [
+            (1.0, 0.0, 0.5),
+            (1.0, -1.0, 0.5),
+            (-1.0, 2.0, 0.5),
+            (1.0, 1.0, f64::NAN),
+            (f64::NAN, 1.0, 0.5),
+            (1.0, f64::INFINITY, 0.5),
+            (1e-200, 1e-200, 1e-200),
+        ] {
+            assert_eq!(Lens::new(a, b, d), nothing, "{a} {b} {d}");
+            assert_eq!(Lens::new(b, a, d), nothing, "{b} {a} {d}");
+        }
+    }
+
     proptest! {
+        #[test]
+        fn lenses_of_all_sizes_are_finite(a in -80.0_f64..70.0, b in -80.0_f64..70.0, share in 0.0_f64..2.0) {
+            let (a, b) = (10.0_f64.powf(a), 10.0_f64.powf(b));
+            let lens = Lens::new(a, b, share * a.max(b));
+            prop_assert!(lens.volume >= 0.0 && lens.area >= 0.0);
+            prop_assert!([lens.volume, lens.area, lens.centroid, lens.curvature].iter().all(|x| x.is_finite()));
+            let smaller = 4.0 / 3.0 * PI * a.min(b).powi(3);
+            prop_assert!(lens.volume <= smaller * (1.0 + 1e-12));
+        }
+
         #[test]
         fn area_is_minus_the_derivative_of_volume(a in 0.1_f64..2.0, b in 0.1_f64..2.0, t in 0.01_f64..0.99) {
             let d = (a - b).abs() + t * (a + b - (a - b).abs());

@@ -90,7 +90,8 @@ impl SpherePacking {
         &self.provenance
     }
 
-    /// Share of the solid's volume that the inner balls fill, 0 to 1.
+    /// Share of the solid's volume that the inner balls fill: 0 to 1 where they are disjoint and inside, as the packer makes them,
+    /// which [`Self::new`] does not ask.
     #[must_use]
     pub fn coverage(&self) -> f64 {
         let balls: f64 = self

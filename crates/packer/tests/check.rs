@@ -85,6 +85,16 @@ fn a_report_is_complete_for_meshes_that_cannot_be_packed() {
 }
 
 #[test]
+fn a_mesh_far_from_the_origin_is_warned_about() {
+    for (far, is_far) in [(0.0, false), (100.0, false), (1e5, true)] {
+        let output = check(&cuboid(DVec3::splat(far), DVec3::splat(far + 1.0)), &[]);
+        assert_eq!(output.status.code(), Some(0));
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(text.contains("so far from the origin"), is_far, "{far}: {text}");
+    }
+}
+
+#[test]
 fn overlaps_are_a_warning_and_can_be_packed() {
     let cube = cuboid(DVec3::ZERO, DVec3::ONE);
     let mesh = join(&cube, &rotated(&cube, DQuat::IDENTITY, DVec3::new(0.5, 0.25, 0.25)));

@@ -92,6 +92,18 @@ fn a_time_limit_ends_in_a_complete_packing() {
     assert_eq!((packed.report.stop, packed.report.spheres), (StopReason::SphereCount, 300));
 }
 
+/// Half of a cube was left empty and called negligible.
+#[test]
+fn issue_a_stop_by_single_precision_says_so() {
+    let far = common::cuboid(DVec3::splat(1e5), DVec3::splat(1e5) + 1.0);
+    let packed = pack(&Solid::new(&far).unwrap(), &PackOptions::balanced()).unwrap();
+    assert_eq!(packed.report.stop, StopReason::Resolution);
+    assert!(packed.report.coverage < 0.7 && packed.report.stop.to_string().contains("single precision"));
+    // A least radius that is asked for is another matter.
+    let packed = pack(&Solid::new(&far).unwrap(), &PackOptions::balanced().min_radius(0.3)).unwrap();
+    assert_eq!(packed.report.stop, StopReason::MinRadius);
+}
+
 #[test]
 fn issue_dust_under_the_facets_of_a_ball_is_not_searched_for() {
     // One ball fills 99.6 %. Looking for the next ones went through minutes and gigabytes.
@@ -99,6 +111,7 @@ fn issue_dust_under_the_facets_of_a_ball_is_not_searched_for() {
     let packed = pack(&ball, &PackOptions::balanced().spheres(10)).unwrap();
     assert_eq!(packed.report.stop, StopReason::Exhausted);
     assert!(packed.report.coverage > 0.99, "{}", packed.report.coverage);
+    assert_eq!(packed.report.stop.to_string(), "the rest is negligible");
     // In a plate and in the fins of a ball all is small, and none of it dust.
     let plate = common::cuboid(DVec3::ZERO, DVec3::new(1.0, 1.0, 1e-3));
     let fin = common::cuboid(DVec3::new(2.0, 0.0, 0.0), DVec3::new(6.0, 1.0, 0.01));

@@ -43,7 +43,8 @@ pub(super) fn place(
     reporter: &mut Reporter,
 ) -> Result<Placed, PackError> {
     let asked = options.min_radius.unwrap_or(0.0);
-    let smallest = asked.max(resolution(solid));
+    let smallest = asked.max(solid.diagnosis().resolution);
+    let negligible = negligible_radius(solid, options);
     let mut stops = Stops {
         solid,
         options,
@@ -55,8 +56,7 @@ pub(super) fn place(
         volume: VolumeStop::new(solid, options, watch),
         stop: None,
     };
-    let smallest_ball = Smallest { radius: smallest, negligible: negligible_radius(solid, options) };
-    let grid = rounds::place(solid, smallest_ball, watch, |ball| stops.add(ball));
+    let grid = rounds::place(solid, Smallest { radius: smallest, negligible }, watch, |ball| stops.add(ball));
     let Stops { mut balls, volume, stop, .. } = stops;
     debug_assert!(balls == grid.balls(), "what was wanted is what was placed");
     let cells = match stop {
@@ -66,7 +66,13 @@ pub(super) fn place(
     if watch.is_cancelled() {
         return Err(PackError::Cancelled);
     }
-    let nothing_left = if smallest > asked { StopReason::Exhausted } else { StopReason::MinRadius };
+    let nothing_left = if smallest <= asked {
+        StopReason::MinRadius
+    } else if smallest < negligible {
+        StopReason::Exhausted
+    } else {
+        StopReason::Resolution
+    };
     let stop = stop.or_else(|| watch.reason()).unwrap_or(nothing_left);
     if balls.is_empty() {
         return Err(match (stop, options.time_limit) {
@@ -76,14 +82,6 @@ pub(super) fn place(
         });
     }
     Ok(Placed { balls, stop, cells })
-}
-
-/// Radius under which single precision no longer resolves a ball's place (m): 16 units in the last place of
-/// the largest coordinate.
-fn resolution(solid: &Solid) -> f64 {
-    let (lower, upper) = solid.bounds();
-    let largest = lower.abs().max(upper.abs()).max_element();
-    16.0 * largest * f64::from(f32::EPSILON)
 }
 
 /// Radius (m) under which all balls asked for together fill less than [`NEGLIGIBLE`]; 0 where the caller chose a

@@ -21,9 +21,11 @@ pub enum StopReason {
     Caller,
     /// No further ball of the asked least radius fits.
     MinRadius,
-    /// No further ball fits that single precision can tell from a point. Or the solid is so nearly a ball that all
-    /// spheres asked for would fill less than 1e-4 of it after the first; a least radius of 0 asks for these too.
+    /// What is left is not worth a search: the solid is so nearly a ball that all spheres asked for would fill less than
+    /// 1e-4 of it after the first. A least radius of 0 asks for these too.
     Exhausted,
+    /// No further ball fits that single precision can tell from a point, see [`Diagnosis::resolution`](crate::Diagnosis::resolution).
+    Resolution,
 }
 
 impl fmt::Display for StopReason {
@@ -36,6 +38,9 @@ impl fmt::Display for StopReason {
             Self::Caller => "caller",
             Self::MinRadius => "minimum radius",
             Self::Exhausted => "the rest is negligible",
+            Self::Resolution => {
+                "single precision resolves no smaller ball here; move the mesh towards the origin"
+            }
         })
     }
 }

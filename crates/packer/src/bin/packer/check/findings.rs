@@ -169,6 +169,10 @@ fn errors(d: &Diagnosis) -> Vec<Finding> {
     ]
 }
 
+/// Share of the size of a mesh above which its resolution is worth a word: the smallest ball among 5,000 in a femur has a radius
+/// of 2.2e-3 of its size.
+const COARSE: f64 = 2e-3;
+
 fn warnings(d: &Diagnosis) -> Vec<Finding> {
     let warning = |kind, count, what, places, remedy| Finding {
         kind,
@@ -207,6 +211,13 @@ fn warnings(d: &Diagnosis) -> Vec<Finding> {
             "edges along which parts touch",
             places(&d.shared_edges, |e| Place::Edge(*e)),
             "they have more than two faces; which belong together is told by their orientation",
+        ),
+        warning(
+            "far_from_the_origin",
+            usize::from(d.resolution > COARSE * d.size()),
+            "mesh so far from the origin that single precision resolves no small balls there",
+            vec![],
+            "move the mesh towards the origin, or expect fewer balls and gaps",
         ),
         warning(
             "folds",
