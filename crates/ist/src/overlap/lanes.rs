@@ -4,7 +4,7 @@
 //! without the instruction set that was chosen, and then every operation on the vector is a call.
 
 use super::workspace::{Blocks, Tail};
-use crate::tree::{BallBlock, Leaf, WIDTH};
+use crate::tree::{self, BallBlock, Leaf, WIDTH};
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
 
 /// One ball in A's frame, in every lane.
@@ -130,11 +130,10 @@ impl Tail<'_> {
     }
 }
 
-/// Lanes of the block at `first` that hold one of the list's `len` balls.
+/// [`tree::live_lanes`] as a mask.
 #[inline(always)]
 pub(super) fn live_lanes<S: Simd>(simd: S, len: usize, first: usize) -> mask32x8<S> {
-    let live = (len - first).min(WIDTH);
-    mask32x8::from_bitmask(simd, (1 << live) - 1)
+    mask32x8::from_bitmask(simd, u64::from(tree::live_lanes(len, first)))
 }
 
 /// The numbers of the lanes in `mask`, from the first lane on, and how many there are.

@@ -3,7 +3,6 @@
 mod batch;
 mod cache;
 mod cap;
-mod caps;
 pub(crate) mod flush;
 mod force_law;
 mod grid_engine;
@@ -17,6 +16,7 @@ mod query;
 mod relative_pose;
 mod sample_normals;
 mod samples;
+mod signed_distance;
 mod stiffness;
 #[cfg(feature = "std")]
 mod time_critical;
@@ -266,9 +266,9 @@ impl Overlap {
 #[cfg(test)]
 mod cache_tests;
 #[cfg(test)]
-mod caps_tests;
-#[cfg(test)]
 mod grid_tests;
+#[cfg(test)]
+mod signed_distance_tests;
 #[cfg(test)]
 mod stiffness_tests;
 #[cfg(test)]

@@ -3,7 +3,6 @@
 use super::BallKind;
 use crate::InnerSphereTree;
 use crate::rotation;
-use crate::tree::WIDTH;
 use fearless_simd::{Simd, f32x8};
 use glam::{DMat3, DVec3, Mat3, Vec3};
 use glamx::Pose3;
@@ -100,10 +99,4 @@ pub(super) fn exact_ball(tree: &InnerSphereTree, kind: BallKind, i: usize) -> (D
     };
     let scale = f64::from(tree.unit());
     (center.as_dvec3() * scale, f64::from(radius) * scale + f64::from(skin))
-}
-
-/// Lanes of the block that begins at `first` in a list of `len` balls, as a bit mask.
-#[inline(always)]
-pub(super) fn live_lanes(len: usize, first: usize) -> u32 {
-    (1 << (len - first).min(WIDTH)) - 1
 }

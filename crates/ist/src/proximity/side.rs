@@ -1,9 +1,9 @@
 //! One of the two trees of a query, as the query sees it: its balls in the common frame.
 
 use super::BallKind;
-use super::placement::{Placement, live_lanes};
+use super::placement::Placement;
 use crate::InnerSphereTree;
-use crate::tree::{TreeData, WIDTH};
+use crate::tree::{TreeData, WIDTH, live_lanes};
 use fearless_simd::{Simd, f32x8, prelude::*};
 use glam::Vec3;
 

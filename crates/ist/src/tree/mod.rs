@@ -29,6 +29,12 @@ pub(crate) use node_sums::{DepthAt, NodeSum, NodeSums};
 /// Children per node: the width of one AVX register of f32.
 pub(crate) const WIDTH: usize = 8;
 
+/// Lanes of the block that begins at `first` in a list of `len` balls, as a bit mask.
+#[inline(always)]
+pub(crate) fn live_lanes(len: usize, first: usize) -> u32 {
+    (1 << (len - first).min(WIDTH)) - 1
+}
+
 /// A hierarchy over the spheres of a packing; the solid that queries run against.
 ///
 /// Cloning and scaling are O(1): the hierarchy is shared. Building costs O(n log n) time, and a tree takes
