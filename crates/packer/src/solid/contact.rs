@@ -5,7 +5,7 @@
 //! Shewchuk, *Adaptive precision floating-point arithmetic and fast robust geometric predicates*, 1997), so that
 //! the corners that neighbours share lie on each other's plane and not beside it.
 
-use super::plane::{TrianglePlane, clip, is_within};
+use super::plane::{TrianglePlane, clip, is_within, runs_along};
 use glam::{DVec2, DVec3};
 use robust::{Coord3D, orient3d};
 
@@ -22,7 +22,7 @@ pub(super) struct Contact {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// They have no more than border points in common, or one ends at the other.
+    /// They have no more than parts of their borders in common, or one ends at the other.
     #[default]
     Touch,
     /// They pass through each other; here is a point of both.
@@ -31,7 +31,7 @@ pub(super) enum Kind {
     Cover,
 }
 
-/// How triangles `a` and `b` meet, if more than border points are common. A corner that is nearer to a plane than `on_plane` (m)
+/// How triangles `a` and `b` meet, if they have a line or more in common: without cuts where that is a part of both borders. A corner that is nearer to a plane than `on_plane` (m)
 /// lies on it.
 pub(super) fn contact(a: &[DVec3; 3], b: &[DVec3; 3], on_plane: f64) -> Option<Contact> {
     let sides_of_b = sides(b, a, on_plane);
@@ -51,14 +51,12 @@ pub(super) fn contact(a: &[DVec3; 3], b: &[DVec3; 3], on_plane: f64) -> Option<C
         let covers = some_border_is_inside || is_within(plane_a.project((b[0] + b[1] + b[2]) / 3.0));
         return covers.then_some(Contact { cuts, kind: Kind::Cover });
     }
-    let cut = |triangle, sides, plane: &TrianglePlane| -> Cuts {
-        section(triangle, sides)
-            .and_then(|ends| clip(ends.map(|end| plane.project(end))))
-            .into_iter()
-            .collect()
+    let line = |triangle, sides, plane: &TrianglePlane| {
+        section(triangle, sides).map(|ends| ends.map(|end| plane.project(end)))
     };
-    let cuts = [cut(b, &sides_of_b, &plane_a), cut(a, &sides_of_a, &plane_b)];
-    if cuts[0].is_empty() && cuts[1].is_empty() {
+    let lines = [line(b, &sides_of_b, &plane_a), line(a, &sides_of_a, &plane_b)];
+    let cuts = lines.map(|line| -> Cuts { line.and_then(clip).into_iter().collect() });
+    if cuts[0].is_empty() && cuts[1].is_empty() && !lines.into_iter().flatten().any(runs_along) {
         return None;
     }
     let straddles = |sides: &[f64; 3]| sides.iter().any(|s| *s > 0.0) && sides.iter().any(|s| *s < 0.0);

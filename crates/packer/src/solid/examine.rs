@@ -7,7 +7,7 @@ use super::meetings::{self, Meeting};
 use super::parts;
 use super::plane::TrianglePlane;
 use super::pseudonormals::{FOLD, Pseudonormals};
-use super::shell_pairs::{self, Found, ON_PLANE, ShellPairs};
+use super::shell_pairs::{self, COARSENESSES, Found, ShellPairs, on_plane};
 use super::shells;
 use super::topology::{self, EdgeCensus, NONE, Neighbours};
 use super::visible::{self, Visible};
@@ -76,7 +76,7 @@ struct Closed {
     shared: Vec<[u32; 2]>,
     bvh: Bvh,
     meetings: Vec<Meeting>,
-    /// Place in [`ON_PLANE`] of what they were found with.
+    /// By which measure they were found, see [`on_plane`].
     coarseness: usize,
     /// Whether a face was turned for it.
     has_turned: bool,
@@ -114,7 +114,7 @@ fn close(
     }
     find_flat_and_folded(&mesh, &neighbours, d);
     let bvh = bvh_of(&mesh);
-    let Found { mut meetings, pairs, coarseness } = shell_pairs::find(&mesh, &bvh, &orientation);
+    let Found { mut meetings, pairs, coarseness } = shell_pairs::find(&mesh, &neighbours, &bvh, &orientation);
     enter_meetings(&mesh, &meetings, &pairs, d);
     if d.refusal().is_some() {
         return None;
@@ -242,11 +242,11 @@ fn union(closed: &Closed) -> Visible {
         (visible, openness)
     };
     let mut best = with_openness(visible::visible(mesh, neighbours, bvh, meetings));
-    for on_plane in &ON_PLANE[coarseness + 1..] {
+    for coarseness in coarseness + 1..COARSENESSES {
         if best.0.uncut > 0 || best.1 <= CLOSED {
             break;
         }
-        let meetings = meetings::find(mesh, bvh, *on_plane);
+        let meetings = meetings::find(mesh, neighbours, bvh, on_plane(mesh, coarseness));
         let next = with_openness(visible::visible(mesh, neighbours, bvh, &meetings));
         if next.1 < best.1 {
             best = next;
@@ -257,7 +257,7 @@ fn union(closed: &Closed) -> Visible {
 
 /// From the whole surface to what bounds its union, if anything does.
 fn finish(closed: Closed, d: &mut Diagnosis) -> Option<Surface> {
-    let visible = (!closed.meetings.is_empty()).then(|| union(&closed));
+    let visible = (!closed.meetings.iter().all(Meeting::grazes)).then(|| union(&closed));
     let Closed { mesh, neighbours, shared, bvh, .. } = closed;
     // Several faces are equally near there, and they need not agree.
     let mut is_shared = vec![false; mesh.vertices.len()];

@@ -5,6 +5,7 @@
 
 use super::bvh::Bvh;
 use super::contact::{Contact, Kind, contact};
+use super::topology::Neighbours;
 use crate::TriangleMesh;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -14,7 +15,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// itself so often is a tangle and no model of a solid.
 pub(super) const MOST: usize = 1_000_000;
 
-/// Two triangles that meet in more than common border points; `first < second`.
+/// Two triangles that meet in more than points; `first < second`.
 #[derive(Clone, Debug)]
 pub(super) struct Meeting {
     pub(super) first: u32,
@@ -22,12 +23,10 @@ pub(super) struct Meeting {
     pub(super) contact: Contact,
 }
 
-/// All meetings in the order of their triangles, or at least [`MOST`] of them. A corner nearer to a plane than the share `on_plane` of
-/// the size of the mesh lies on it. Each triangle asks the tree for those near it: O(n log n) for n triangles if each is near a
+/// All meetings in the order of their triangles, or at least [`MOST`] of them. A corner nearer to a plane than `on_plane` (m) lies on
+/// it. Each triangle asks the tree for those near it: O(n log n) for n triangles if each is near a
 /// bounded number of others.
-pub(super) fn find(mesh: &TriangleMesh, bvh: &Bvh, on_plane: f64) -> Vec<Meeting> {
-    let (lower, upper) = mesh.bounds();
-    let on_plane = on_plane * lower.distance(upper);
+pub(super) fn find(mesh: &TriangleMesh, neighbours: &Neighbours, bvh: &Bvh, on_plane: f64) -> Vec<Meeting> {
     let found = AtomicUsize::new(0);
     (0..mesh.triangles.len())
         .into_par_iter()
@@ -40,7 +39,11 @@ pub(super) fn find(mesh: &TriangleMesh, bvh: &Bvh, on_plane: f64) -> Vec<Meeting
                     if second as usize > first
                         && let Some(contact) = contact(&corners, others, on_plane)
                     {
-                        meetings.push(Meeting { first: first as u32, second, contact });
+                        let meeting = Meeting { first: first as u32, second, contact };
+                        // Neighbours have a side in common, and that is all.
+                        if !(meeting.grazes() && neighbours[first].contains(&second)) {
+                            meetings.push(meeting);
+                        }
                     }
                 });
                 // The tree's order is an accident of building it.
@@ -59,6 +62,12 @@ impl Meeting {
 
     pub(super) fn covers(&self) -> bool {
         self.contact.kind == Kind::Cover
+    }
+
+    /// Whether they have only parts of their borders in common. Neither is cut then, but the surface beyond the border may be on another
+    /// side of what meets it there.
+    pub(super) fn grazes(&self) -> bool {
+        self.contact.kind == Kind::Touch && self.contact.cuts.iter().all(Vec::is_empty)
     }
 
     /// Adapts to triangles that were turned since: their second and third corners have changed places.

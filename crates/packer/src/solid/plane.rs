@@ -54,11 +54,21 @@ pub(super) fn is_within(at: DVec2) -> bool {
     margin(at) > MARGIN
 }
 
-/// The part of the segment `from`–`to` that runs through the inside of the triangle, if there is one.
-pub(super) fn clip([from, to]: [DVec2; 2]) -> Option<[DVec2; 2]> {
+/// The part of a segment that runs through the inside of the triangle, if there is one.
+pub(super) fn clip(segment: [DVec2; 2]) -> Option<[DVec2; 2]> {
+    within(segment, 0.0).filter(|inside| is_within(inside[0].lerp(inside[1], 0.5)))
+}
+
+/// Whether a part of a segment runs along the border of the triangle, or inside.
+pub(super) fn runs_along(segment: [DVec2; 2]) -> bool {
+    within(segment, 2.0 * MARGIN).is_some()
+}
+
+/// The part of the segment `from`–`to` that lies in the triangle, enlarged by `slack` of its heights, if that is longer than rounding.
+fn within([from, to]: [DVec2; 2], slack: f64) -> Option<[DVec2; 2]> {
     // Cyrus and Beck: each side leaves an interval of the parameter.
     let (mut first, mut last) = (0.0_f64, 1.0_f64);
-    let heights = |at: DVec2| [at.x, at.y, 1.0 - at.x - at.y];
+    let heights = |at: DVec2| [at.x + slack, at.y + slack, 1.0 - at.x - at.y + slack];
     for (a, b) in heights(from).into_iter().zip(heights(to)) {
         if a < 0.0 && b < 0.0 {
             return None;
@@ -70,7 +80,5 @@ pub(super) fn clip([from, to]: [DVec2; 2]) -> Option<[DVec2; 2]> {
         }
     }
     let inside = [from.lerp(to, first), from.lerp(to, last)];
-    let runs_inside =
-        first < last && inside[0].distance(inside[1]) > MARGIN && is_within(inside[0].lerp(inside[1], 0.5));
-    runs_inside.then_some(inside)
+    (first < last && inside[0].distance(inside[1]) > MARGIN + 8.0 * slack).then_some(inside)
 }

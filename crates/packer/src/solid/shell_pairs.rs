@@ -3,31 +3,47 @@
 use super::bvh::Bvh;
 use super::meetings::{self, Meeting};
 use super::shells;
-use super::topology::Orientation;
+use super::topology::{Neighbours, Orientation};
 use crate::TriangleMesh;
 use glam::DVec3;
 use std::collections::HashSet;
 
-/// A corner nearer to a plane than this share of the size of the mesh lies on it; the next one counts where with the one before the
-/// union is not closed. Rotating a mesh moves its corners by 1e-16 of their coordinates: faces that were flush remain so, even ten
-/// thousand sizes from the origin.
-pub(super) const ON_PLANE: [f64; 3] = [1e-11, 1e-9, 1e-7];
+/// How many measures there are of what lies on a plane, see [`on_plane`].
+pub(super) const COARSENESSES: usize = 3;
+
+/// A corner nearer to a plane than this (m) lies on it; the next coarser measure counts where with the one before the union is not
+/// closed. Rotating a mesh moves its corners by 1e-16 of their coordinates: faces that were flush remain so, even ten thousand sizes
+/// from the origin. The coarsest one is at least what writing both corner and plane in single precision moves them by, half a unit in the last place
+/// along each axis.
+pub(super) fn on_plane(mesh: &TriangleMesh, coarseness: usize) -> f64 {
+    let (lower, upper) = mesh.bounds();
+    let share = [1e-11, 1e-9, 1e-7][coarseness];
+    let rounding = 3.0_f64.sqrt() * f64::from(f32::EPSILON) * lower.abs().max(upper.abs()).max_element();
+    let least = if coarseness + 1 == COARSENESSES { rounding } else { 0.0 };
+    least.max(share * lower.distance(upper))
+}
 
 /// Where a surface meets itself.
 pub(super) struct Found {
     pub(super) meetings: Vec<Meeting>,
     pub(super) pairs: ShellPairs,
-    /// Place in [`ON_PLANE`] of what they were found with.
+    /// By which measure, see [`on_plane`].
     pub(super) coarseness: usize,
 }
 
 /// Finds where the surface meets itself, as finely as shells can be told apart: copies of a part that differ by more than
-/// rounding but by less than anyone can want are all but flush everywhere, and nothing else tells that they overlap.
-pub(super) fn find(mesh: &TriangleMesh, bvh: &Bvh, orientation: &Orientation) -> Found {
+/// rounding but by less than anyone can want are all but flush everywhere, and nothing else tells that they overlap. Which shells
+/// touch is always told by the coarsest measure.
+pub(super) fn find(
+    mesh: &TriangleMesh,
+    neighbours: &Neighbours,
+    bvh: &Bvh,
+    orientation: &Orientation,
+) -> Found {
     let is_inverted: Vec<bool> =
         shells::signed_volumes(mesh, &orientation.shell_of).into_iter().map(|volume| volume < 0.0).collect();
     let find = |coarseness: usize| {
-        let meetings = meetings::find(mesh, bvh, ON_PLANE[coarseness]);
+        let meetings = meetings::find(mesh, neighbours, bvh, on_plane(mesh, coarseness));
         let mut pairs = ShellPairs::default();
         for meeting in &meetings {
             let triangles = [meeting.first, meeting.second].map(|triangle| triangle as usize);
@@ -45,16 +61,22 @@ pub(super) fn find(mesh: &TriangleMesh, bvh: &Bvh, orientation: &Orientation) ->
                 if face_alike {
                     pairs.flush.insert(pair);
                 }
+            } else {
+                pairs.touching.insert(pair);
             }
         }
         Found { meetings, pairs, coarseness }
     };
-    let fine = find(0);
+    let mut fine = find(0);
     if orientation.shells < 2 {
         return fine;
     }
-    let coarse = find(ON_PLANE.len() - 1);
-    if coarse.pairs.has_more_flush_than(&fine.pairs) { coarse } else { fine }
+    let coarse = find(COARSENESSES - 1);
+    if coarse.pairs.has_more_flush_than(&fine.pairs) {
+        return coarse;
+    }
+    fine.pairs.touching.extend(coarse.pairs.touching);
+    fine
 }
 
 fn area_vector(mesh: &TriangleMesh, triangle: usize) -> DVec3 {
@@ -66,7 +88,10 @@ fn area_vector(mesh: &TriangleMesh, triangle: usize) -> DVec3 {
 #[derive(Clone, Debug, Default)]
 pub(super) struct ShellPairs {
     cut: HashSet<[u32; 2]>,
+    /// Faces of the two cover each other, and would face the same way if both bounded material.
     flush: HashSet<[u32; 2]>,
+    /// The two have edges or parts of them in common, or an edge of the one lies on the other.
+    touching: HashSet<[u32; 2]>,
 }
 
 impl ShellPairs {
@@ -75,9 +100,10 @@ impl ShellPairs {
         self.cut.contains(&ordered([a as u32, b as u32]))
     }
 
-    /// Whether faces of two shells cover each other that would face the same way if both bounded material.
-    pub(super) fn are_flush(&self, a: usize, b: usize) -> bool {
-        self.flush.contains(&ordered([a as u32, b as u32]))
+    /// Whether two shells are flush or have lines in common.
+    pub(super) fn touch(&self, a: usize, b: usize) -> bool {
+        let pair = ordered([a as u32, b as u32]);
+        self.flush.contains(&pair) || self.touching.contains(&pair)
     }
 
     /// Number of pairs that cut each other.

@@ -2,9 +2,9 @@
 //!
 //! Shells are taken from the largest to the smallest. One that lies wholly in empty space bounds material, one that lies
 //! wholly in material bounds a cavity: where copies of a hollow part coincide, each has its own. A shell that cuts another
-//! does not lie inside it: the two overlap, and their union is the solid. Neither does one bound a cavity that lies flush
-//! with the inside of another: between them there would be a wall of no thickness. Orientation in the file is not asked: it
-//! is wrong too often.
+//! does not lie inside it: the two overlap, and their union is the solid. Neither does one bound a cavity that touches the
+//! inside of what is around it, in a face or along a line: there would be a wall of no thickness. Orientation in the file is
+//! not asked: it is wrong too often.
 
 use super::shell_pairs::ShellPairs;
 use super::topology::{Neighbours, turn};
@@ -48,13 +48,13 @@ pub(super) fn face_outward(
         let around = (0..shells.len())
             .filter(|other| *other != index && !pairs.cut(index, *other))
             .filter(|other| encloses(mesh, &shells[*other], &shells[index]));
-        // How often the others wind around this one, and whether one that bounds material is flush with it.
-        let (mut winding, mut is_flush) = (0, false);
+        // How often the others wind around this one, and whether it touches one that bounds material.
+        let (mut winding, mut touches) = (0, false);
         for other in around {
             winding += if is_cavity[other] { -1 } else { 1 };
-            is_flush |= !is_cavity[other] && pairs.are_flush(index, other);
+            touches |= !is_cavity[other] && pairs.touch(index, other);
         }
-        is_cavity[index] = winding > 0 && !is_flush;
+        is_cavity[index] = winding > 0 && !touches;
     }
     let is_reversed: Vec<bool> =
         volumes.iter().zip(&is_cavity).map(|(volume, is_cavity)| (*volume < 0.0) != *is_cavity).collect();
