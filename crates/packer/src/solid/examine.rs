@@ -157,9 +157,9 @@ fn sound<'a>(mesh: &'a TriangleMesh, d: &mut Diagnosis) -> Cow<'a, TriangleMesh>
 
 /// Leaves out what does not count and welds the rest; returns its edges and what was left out.
 ///
-/// Faces that occur twice are walls between two parts if the surface is closed and manifold without them and is not with
-/// one of each; a face written once for each of its sides looks the same, but is needed. If it is not manifold either way,
-/// parts that follow each other in the file may be.
+/// If the surface is not manifold, parts that follow each other in the file may be. If not, faces that occur twice are walls between
+/// two parts if the surface is closed and manifold without them; a face written once for each of its sides looks the same, but is
+/// needed.
 fn clean(mesh: &TriangleMesh) -> (TriangleMesh, EdgeCensus, Diagnosis) {
     let mut d = Diagnosis {
         input_vertices: mesh.vertices.len(),
@@ -173,17 +173,16 @@ fn clean(mesh: &TriangleMesh) -> (TriangleMesh, EdgeCensus, Diagnosis) {
         (welded, census, welding)
     };
     let (mut mesh, mut census, mut welding) = of(Repeated::KeepOne);
-    if welding.duplicate_faces > 0 && !census.non_manifold.is_empty() {
-        let none = of(Repeated::DropPairs);
-        if !none.0.triangles.is_empty() && none.1.open.is_empty() && none.1.non_manifold.is_empty() {
-            (mesh, census, welding) = none;
+    if !census.non_manifold.is_empty() {
+        if let Some((apart, of_parts)) = parts::apart(&sound) {
+            (census, welding) = (topology::edge_census(&apart), of_parts);
+            mesh = apart;
+        } else if welding.duplicate_faces > 0 {
+            let none = of(Repeated::DropPairs);
+            if !none.0.triangles.is_empty() && none.1.open.is_empty() && none.1.non_manifold.is_empty() {
+                (mesh, census, welding) = none;
+            }
         }
-    }
-    if !census.non_manifold.is_empty()
-        && let Some((apart, of_parts)) = parts::apart(&sound)
-    {
-        (census, welding) = (topology::edge_census(&apart), of_parts);
-        mesh = apart;
     }
     d.unused_vertices = welding.unused_vertices;
     d.merged_vertices = welding.merged_vertices;

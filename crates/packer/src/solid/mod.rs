@@ -29,8 +29,8 @@ use ist::SolidProperties;
 /// The solid that a closed triangle mesh encloses.
 ///
 /// Building one welds coincident vertices, drops degenerate and duplicate faces, refuses what has no inside,
-/// and orients every shell so that its normals leave the material. Shells inside others are cavities, unless they lie flush
-/// with their inside. Solids that overlap add up to their union; where a surface cuts itself, all is inside that it winds around.
+/// and orients every shell so that its normals leave the material. Shells inside others are cavities, unless they touch
+/// their inside. Solids that overlap add up to their union; where a surface cuts itself, all is inside that it winds around.
 #[derive(Clone, Debug)]
 pub struct Solid {
     surface: Surface,

@@ -4,6 +4,7 @@ use super::bvh::Bvh;
 use super::meetings::{self, Meeting};
 use super::shells;
 use super::topology::{Neighbours, Orientation};
+use super::triangle::closest_point;
 use crate::TriangleMesh;
 use glam::DVec3;
 use std::collections::HashSet;
@@ -61,22 +62,40 @@ pub(super) fn find(
                 if face_alike {
                     pairs.flush.insert(pair);
                 }
-            } else {
-                pairs.touching.insert(pair);
             }
         }
         Found { meetings, pairs, coarseness }
     };
-    let mut fine = find(0);
+    let fine = find(0);
     if orientation.shells < 2 {
         return fine;
     }
     let coarse = find(COARSENESSES - 1);
-    if coarse.pairs.has_more_flush_than(&fine.pairs) {
-        return coarse;
+    let mut found = if coarse.pairs.has_more_flush_than(&fine.pairs) { coarse } else { fine };
+    found.pairs.touching = touching(mesh, bvh, &orientation.shell_of);
+    found
+}
+
+/// Pairs of shells of which a corner of the one lies on the other, by the coarsest measure. O(n log n) for n triangles.
+fn touching(mesh: &TriangleMesh, bvh: &Bvh, shell_of: &[u32]) -> HashSet<[u32; 2]> {
+    let near = on_plane(mesh, COARSENESSES - 1);
+    let mut is_seen = vec![false; mesh.vertices.len()];
+    let mut touching = HashSet::new();
+    for (triangle, shell) in mesh.triangles.iter().zip(shell_of) {
+        for vertex in triangle.map(|vertex| vertex as usize) {
+            if std::mem::replace(&mut is_seen[vertex], true) {
+                continue;
+            }
+            let corner = mesh.vertices[vertex];
+            bvh.for_each_near(&[corner; 3], near, |other, corners| {
+                let other = shell_of[other as usize];
+                if other != *shell && closest_point(corners, corner).0.distance(corner) <= near {
+                    touching.insert(ordered([*shell, other]));
+                }
+            });
+        }
     }
-    fine.pairs.touching.extend(coarse.pairs.touching);
-    fine
+    touching
 }
 
 fn area_vector(mesh: &TriangleMesh, triangle: usize) -> DVec3 {
@@ -90,7 +109,7 @@ pub(super) struct ShellPairs {
     cut: HashSet<[u32; 2]>,
     /// Faces of the two cover each other, and would face the same way if both bounded material.
     flush: HashSet<[u32; 2]>,
-    /// The two have edges or parts of them in common, or an edge of the one lies on the other.
+    /// A corner of the one lies on the other.
     touching: HashSet<[u32; 2]>,
 }
 
@@ -100,10 +119,9 @@ impl ShellPairs {
         self.cut.contains(&ordered([a as u32, b as u32]))
     }
 
-    /// Whether two shells are flush or have lines in common.
+    /// Whether a corner of the one shell lies on the other.
     pub(super) fn touch(&self, a: usize, b: usize) -> bool {
-        let pair = ordered([a as u32, b as u32]);
-        self.flush.contains(&pair) || self.touching.contains(&pair)
+        self.touching.contains(&ordered([a as u32, b as u32]))
     }
 
     /// Number of pairs that cut each other.

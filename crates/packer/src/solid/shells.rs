@@ -3,7 +3,7 @@
 //! Shells are taken from the largest to the smallest. One that lies wholly in empty space bounds material, one that lies
 //! wholly in material bounds a cavity: where copies of a hollow part coincide, each has its own. A shell that cuts another
 //! does not lie inside it: the two overlap, and their union is the solid. Neither does one bound a cavity that touches the
-//! inside of what is around it, in a face or along a line: there would be a wall of no thickness. Orientation in the file is
+//! inside of what is around it: there would be a wall of no thickness. Orientation in the file is
 //! not asked: it is wrong too often.
 
 use super::shell_pairs::ShellPairs;
