@@ -146,6 +146,51 @@ fn any_mass() {
     }
 }
 
+/// A body that contacts do not move had a say in the stiffness: one without mass let everything through, and a light one that was held
+/// fast was soft.
+#[test]
+fn issue_a_body_that_contacts_do_not_move_carries_however_light_it_is() {
+    for (mass, model) in [
+        (0.0, ContactModel::default()),
+        (0.0, uniform(1e8)),
+        (1e-6, ContactModel::default()),
+        (1e-4, ContactModel::default()),
+        (1e4, ContactModel::default()),
+    ] {
+        let mut world = PhysicsWorld::new();
+        let mut plugin = IstPlugin::install(&mut world);
+        plugin.model = model;
+        let held = dynamic(Vector::ZERO).lock_translations().gravity_scale(0.0);
+        world.insert(held, ball().into_collider().mass(mass));
+        let above = world
+            .insert(dynamic(Vector::Y * 2.1 * RADIUS).lock_rotations(), ball().into_collider().mass(100.0))
+            .0;
+        for _ in 0..120 {
+            plugin.step(&mut world);
+        }
+        let height = height(&world, above);
+        assert!((height / RADIUS - 2.0).abs() < 0.1, "on {mass} kg: {height}");
+    }
+}
+
+/// Neither of two wheels that only turn is moved by contacts, and their own masses are all that tells how stiff they are.
+#[test]
+fn wheels_on_fixed_axles_feel_each_other() {
+    let mut world = PhysicsWorld::new();
+    world.gravity = Vector::ZERO;
+    let mut plugin = IstPlugin::install(&mut world);
+    let wheel = |x: f32, spin: f32| {
+        dynamic(Vector::X * x).lock_translations().angvel(Vector::Z * spin).can_sleep(false)
+    };
+    let driving = world.insert(wheel(0.0, 4.0), ball_collider().friction(1.0)).0;
+    let driven = world.insert(wheel(1.9 * RADIUS, 0.0), ball_collider().friction(1.0)).0;
+    for _ in 0..60 {
+        plugin.step(&mut world);
+    }
+    let [driving, driven] = [driving, driven].map(|body| world.bodies[body].angvel().z);
+    assert!((driving - 2.0).abs() < 0.1 && (driven + 2.0).abs() < 0.1, "{driving} {driven}");
+}
+
 #[test]
 fn without_gravity_and_with_more_than_enough() {
     for gravity in [0.0, 1e-20, 1e6, 1e20, f32::NAN, f32::INFINITY] {

@@ -102,3 +102,33 @@ fn rapiers_own_pairs_send_one_event_each() {
         assert!(forces.try_iter().count() <= 1);
     }
 }
+
+/// A contact that went on was told as a new one after a step without length, and after a sleep.
+#[test]
+fn issue_a_contact_that_goes_on_is_told_as_new_once() {
+    let (mut world, mut plugin) = grounded();
+    let (handler, _, forces) = collector();
+    let collider =
+        ball_collider().active_events(ActiveEvents::CONTACT_FORCE_EVENTS).contact_force_event_threshold(1.0);
+    let body = world.insert(dynamic(Vector::Y * RADIUS), collider).0;
+    let mut started = Vec::new();
+    let mut slept = false;
+    let dt = world.integration_parameters.dt;
+    for step in 0..600 {
+        world.integration_parameters.dt = if step == 20 { 0.0 } else { dt };
+        if step == 500 {
+            slept = world.bodies[body].is_sleeping();
+            world.bodies[body].wake_up(true);
+        }
+        plugin.step_with_events(&mut world, &(), &handler);
+        started.extend(forces.try_iter().filter(|event| event.started).map(|_| step));
+    }
+    assert!(slept);
+    assert_eq!(started.len(), 1, "{started:?}");
+    // Once it has come apart it is new again.
+    world.bodies[body].set_linvel(Vector::Y * 2.0, true);
+    for _ in 0..60 {
+        plugin.step_with_events(&mut world, &(), &handler);
+    }
+    assert!(forces.try_iter().any(|event| event.started));
+}

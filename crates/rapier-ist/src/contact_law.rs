@@ -6,7 +6,7 @@ use crate::penalty::Material;
 use crate::query::Contact;
 use crate::stiffness::{StiffnessTable, valid};
 use crate::{IstShape, Stiffness, StiffnessContext, VolumePenalty, WorldParts};
-use rapier3d::dynamics::CoefficientCombineRule;
+use rapier3d::dynamics::{CoefficientCombineRule, RigidBody};
 use rapier3d::geometry::{Collider, Shape, ShapeType};
 use rapier3d::glamx::DVec3;
 use rapier3d::math::Real;
@@ -168,13 +168,19 @@ fn volume(shape: &dyn Shape) -> Option<f64> {
     is_simple.then(|| shape.mass_properties(1.0).mass().into())
 }
 
-/// Mass (kg) of the lighter dynamic body of a pair.
+/// Mass (kg) of the lighter body of a pair that contacts move; infinite where they move none.
+///
+/// A body without mass, or held in all directions, carries like a fixed one, however light it is. Where both are held but can turn,
+/// their masses count all the same: nothing else tells how strong wheels on fixed axles are.
 fn lighter_mass(world: &WorldParts<'_>, contact: &Contact) -> f64 {
-    let mass = |handle| {
-        let body = world.bodies.get(world.colliders.get(handle)?.parent()?).filter(|b| b.is_dynamic())?;
-        Some(f64::from(body.mass()))
+    let lightest = |counts: fn(&RigidBody) -> bool| {
+        let body = |handle| world.bodies.get(world.colliders.get(handle)?.parent()?);
+        let masses = contact.candidate.colliders.into_iter().filter_map(body);
+        let masses = masses.filter(|body| body.is_dynamic() && body.mass() > 0.0 && counts(body));
+        masses.map(|body| f64::from(body.mass())).fold(f64::INFINITY, f64::min)
     };
-    contact.candidate.colliders.into_iter().filter_map(mass).fold(f64::INFINITY, f64::min)
+    let moved = lightest(|body| body.mass_properties().effective_inv_mass.max_element() > 0.0);
+    if moved.is_finite() { moved } else { lightest(|_| true) }
 }
 
 #[cfg(test)]

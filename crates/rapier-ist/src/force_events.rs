@@ -5,6 +5,7 @@
 //! normal along the patch's force.
 
 use crate::report::key;
+use crate::touching::asleep;
 use crate::{PairContact, PatchContact, StepReport, WorldParts};
 use rapier3d::dynamics::RigidBodyBuilder;
 use rapier3d::geometry::{
@@ -26,7 +27,8 @@ pub(crate) struct ForceEvents {
 }
 
 impl ForceEvents {
-    /// Tells `events` of every pair in `report` whose forces exceed the lower threshold of its colliders.
+    /// Tells `events` of every pair in `report` whose forces exceed the lower threshold of its colliders. Not for a step without
+    /// length, of which the report knows nothing.
     pub(crate) fn send(&mut self, world: &WorldParts<'_>, report: &StepReport, events: &dyn EventHandler) {
         let dt = world.integration_parameters.dt;
         let mut above = Vec::new();
@@ -41,7 +43,11 @@ impl ForceEvents {
                 above.push(contact.colliders());
             }
         }
-        self.above = above;
+        // Of sleeping pairs the report says nothing; they go on where they stood.
+        self.above.retain(|pair| asleep(world, *pair));
+        self.above.append(&mut above);
+        self.above.sort_unstable_by_key(|pair| key(*pair));
+        self.above.dedup();
     }
 
     fn was_above(&self, contact: &PairContact) -> bool {

@@ -38,6 +38,8 @@ use std::time::Instant;
 /// - Friction, restitution, combine rules, contact skin, collision and solver groups, `ActiveCollisionTypes`, sensors,
 ///   locked axes, dominance groups, gravity scale, `length_unit` and joints with and without contacts: as in Rapier.
 /// - `PhysicsHooks::filter_contact_pair` is asked as in Rapier, before the volume contact is looked for and by Rapier.
+///   Name all hooks of a collider when you change them: the plugin switches that filter on for colliders with an [`IstShape`],
+///   and one that is added with `|` to what `active_hooks` says looks as the plugin's own, which nobody is asked about.
 ///   A pair whose contacts `modify_solver_contacts` removes is not pushed; that hook sees Rapier's manifolds of the
 ///   step before, so where colliders ask for it pushing begins a step late. Friction, restitution and tangent velocity
 ///   (a conveyor belt) that it sets are felt, for a pair those of its first manifold; normals and distances are not.
@@ -47,16 +49,17 @@ use std::time::Instant;
 /// - Rapier's own contacts of these bodies carry and rub as without the plugin. They and links of multibodies are solved by Rapier
 ///   once more, within what the plugin expects of them.
 /// - `CollisionEvent`s come from Rapier, when a pair overlaps at the start of a step. Contact-force events come from the
-///   volume contacts, with one manifold and one contact for each [`crate::PatchContact`].
+///   volume contacts, with one manifold and one contact for each [`crate::PatchContact`]. Their forces are whole ones, with friction,
+///   where Rapier tells of the normal part alone: those of a sliding body are larger and point backwards.
 ///
 /// # Bad input
 /// - A body with a velocity, force or torque that is not finite does not give way in that step and passes nothing on;
 ///   Rapier then disables it. So does a body whose mass is not a number that f32 can divide by.
 /// - A collider with a pose that is not finite touches nothing.
-/// - A body without mass is not moved by contacts.
+/// - A body without mass is not moved by contacts, and carries like a fixed one.
 /// - Friction that is NaN or negative counts as 0, over 100 as 100; restitution counts as the nearest from 0 to 1, NaN
 ///   as 0.
-/// - Stiffness over `1e8 m/(h² L²)`, with the lighter body's mass m, the time step h and the smaller body's size L,
+/// - Stiffness over `1e8 m/(h² L²)`, with the mass m of the lighter body that contacts move, the time step h and the smaller body's size L,
 ///   counts as that: more cannot be told from rigid. Without stiffness bodies fall through each other.
 /// - Time steps in which a body falls farther than its own size, 1 s or 1/60 s for bodies under some millimetres: all
 ///   stays finite, but bodies sink in and bounce. Use [`Self::substeps`], and `length_unit` for small bodies.
@@ -235,15 +238,15 @@ impl IstPlugin {
             return;
         };
         switch_filters_on(world);
-        let forces = if has_length(world) {
-            self.respond(world, hooks, &penalty.in_range())
-        } else {
-            Pushes::default()
-        };
+        let has_length = has_length(world);
+        let forces =
+            if has_length { self.respond(world, hooks, &penalty.in_range()) } else { Pushes::default() };
         let user_forces = UserForces::suspend(world, forces);
         world.step(&PenaltyHooks { user: hooks }, events);
         user_forces.restore(world);
-        self.force_events.send(world, &self.report, events);
+        if has_length {
+            self.force_events.send(world, &self.report, events);
+        }
     }
 
     fn respond(

@@ -20,10 +20,14 @@
 //! # }
 //! ```
 //!
-//! The restored world moves on as the saved one, bit for bit, as long as nothing sleeps: to Rapier the colliders have a new
-//! shape, and it wakes their bodies. Under [`ContactModel::VolumeManifold`](crate::ContactModel::VolumeManifold) it also
+//! With a clone of the plugin the restored world moves on as the saved one, bit for bit, as long as nothing sleeps: to Rapier the
+//! colliders have a new shape, and it wakes their bodies. A new plugin, as one that is loaded by another process, knows nothing of
+//! contacts under way and begins its solves without a guess: contacts at rest hold, but four cubes in a heap ended 4 to 44 mm from where
+//! they would have, and up to 0.65 m where they rebound. Under [`ContactModel::VolumeManifold`](crate::ContactModel::VolumeManifold) it also
 //! measures contacts anew that it would have recycled; without `contact_recycling` that makes no difference either. Of
-//! the plugin, copy `model`, `substeps` and stiffnesses of colliders and pairs.
+//! a plugin that is not cloned, copy `model`, `substeps` and stiffnesses of colliders and pairs.
+//!
+//! Compounds that hold an [`IstShape`] are not replaced: take such colliders out before saving.
 
 use crate::IstShape;
 use rapier3d::geometry::{Collider, ColliderHandle, ColliderSet, SharedShape};

@@ -40,7 +40,7 @@ impl Touching {
 }
 
 /// Whether both colliders take part in the simulation and the body of neither is awake.
-fn asleep(world: &WorldParts<'_>, pair: [ColliderHandle; 2]) -> bool {
+pub(crate) fn asleep(world: &WorldParts<'_>, pair: [ColliderHandle; 2]) -> bool {
     pair.into_iter().all(|handle| {
         let Some(collider) = world.colliders.get(handle).filter(|collider| collider.is_enabled()) else {
             return false;

@@ -5,6 +5,7 @@ use super::{ROOT_FRAME, UpAxis, WORLD_FRAME};
 use foxglove::messages::{FrameTransform, FrameTransforms};
 use rapier3d::dynamics::{RigidBodyHandle, RigidBodySet};
 use rapier3d::math::{Pose, Rotation, Vector};
+use std::collections::HashSet;
 use std::f32::consts::FRAC_PI_2;
 
 /// The described bodies and the message with their poses, which is filled anew at each step and keeps its memory.
@@ -91,8 +92,10 @@ impl Poses {
             };
             events.push((event, body.name.clone()));
         }
-        for (_, gone) in events.iter().filter(|(event, _)| matches!(event, PoseEvent::Removed)) {
-            self.message.transforms.retain(|transform| transform.child_frame_id != *gone);
+        let removed = events.iter().filter(|(event, _)| matches!(event, PoseEvent::Removed));
+        let gone: HashSet<&String> = removed.map(|(_, name)| name).collect();
+        if !gone.is_empty() {
+            self.message.transforms.retain(|transform| !gone.contains(&transform.child_frame_id));
         }
         events
     }
