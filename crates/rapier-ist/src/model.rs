@@ -38,7 +38,8 @@ pub struct VolumePenalty {
     pub dissipation: Real,
     /// Maximum depenetration speed: the fastest that overlap alone pushes bodies apart (m/s, times Rapier's `length_unit`),
     /// from 1e-6 to 1e6, 1 by default; never faster than by the smaller body's longest side in 0.45 s. Faster recovery is
-    /// damped; the force on bodies at rest stays the same.
+    /// damped; the force on bodies at rest stays the same. Each sample of a contact is held to it along its own normal: where these
+    /// differ, as in cubes that begin inside each other, bodies come apart up to 2.6 times as fast.
     pub recovery_speed: Real,
     /// Stiction tolerance: the slip speed (m/s, times Rapier's `length_unit`) under which Coulomb friction goes over into
     /// viscous creep, from 1e-6 to 1e6, 1e-3 by default.

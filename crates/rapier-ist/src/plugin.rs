@@ -32,7 +32,8 @@ use std::time::Instant;
 /// depend on the number of threads.
 ///
 /// A triangle mesh that bodies have been near for ten steps gets a search tree, of about 100 bytes a triangle, which all plugins
-/// share. It is made on a thread of its own and goes with the mesh's last collider; results are the same without.
+/// share. It is made on a thread of its own, and goes at the next step of any plugin once nobody else holds the mesh; results
+/// are the same without.
 ///
 /// # What Rapier's settings do
 /// - Friction, restitution, combine rules, contact skin, collision and solver groups, `ActiveCollisionTypes`, sensors,
