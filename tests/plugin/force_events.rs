@@ -1,6 +1,8 @@
 //! Collision events and contact-force events.
 
 use super::*;
+use rapier3d::utils::OrthonormalBasis;
+use std::sync::Mutex;
 use std::sync::mpsc::{Receiver, channel};
 
 fn collector() -> (ChannelEventCollector, Receiver<CollisionEvent>, Receiver<ContactForceEvent>) {
@@ -131,4 +133,73 @@ fn issue_a_contact_that_goes_on_is_told_as_new_once() {
         plugin.step_with_events(&mut world, &(), &handler);
     }
     assert!(forces.try_iter().any(|event| event.started));
+}
+
+/// Keeps the last contact-force event, and the force on the second collider as its contacts tell it.
+#[derive(Default)]
+struct LastForce(Mutex<Option<(ContactForceEvent, Vector)>>);
+
+impl EventHandler for LastForce {
+    fn handle_collision_event(
+        &self,
+        _: &RigidBodySet,
+        _: &ColliderSet,
+        _: CollisionEvent,
+        _: Option<&ContactPair>,
+    ) {
+    }
+
+    fn handle_contact_force_event(
+        &self,
+        dt: f32,
+        _: &RigidBodySet,
+        _: &ColliderSet,
+        pair: &ContactPair,
+        total: f32,
+    ) {
+        let on_first = |manifold: &ContactManifold| -> Vector {
+            let push = -manifold.data.normal;
+            let tangent = push.orthonormal_vector();
+            let contact = |contact: &ContactData| {
+                let [along, across] = [contact.tangent_impulse.x, contact.tangent_impulse.y];
+                push * contact.impulse + tangent * along + push.cross(tangent) * across
+            };
+            manifold.points.iter().map(|point| contact(&point.data)).sum()
+        };
+        let impulse: Vector = pair.solver_manifolds().iter().map(on_first).sum();
+        let event = ContactForceEvent::from_contact_pair(dt, pair, total);
+        *self.0.lock().unwrap() = Some((event, -impulse / dt));
+    }
+
+    fn handle_soft_body_tear_event(&self, _: &SoftBodySet, _: &SoftBodyTearEvent) {}
+}
+
+/// Friction was told as normal force, with a normal that pointed backwards.
+#[test]
+fn issue_sliding_bodies_tell_their_normal_force_as_with_rapiers_shapes() {
+    let told = [ball_collider(), ColliderBuilder::ball(RADIUS).density(DENSITY)].map(|collider| {
+        let (mut world, mut plugin) = grounded();
+        // With the other model Rapier tells nothing of friction.
+        world.integration_parameters.friction_model = FrictionModel::Coulomb;
+        let body = dynamic(Vector::Y * RADIUS).lock_rotations().linvel(Vector::new(6.0, 0.0, 2.0));
+        let collider = collider.active_events(ActiveEvents::CONTACT_FORCE_EVENTS).friction(1.0);
+        world.insert(body, collider);
+        let last = LastForce::default();
+        // As long as it slides, with friction 1 on ground of 1/2.
+        for _ in 0..30 {
+            plugin.step_with_events(&mut world, &(), &last);
+        }
+        let told = last.0.lock().unwrap().take().unwrap();
+        told
+    });
+    let [(ours, our_force), (rapiers, rapiers_force)] = told;
+    let weight = rapiers.total_force_magnitude;
+    let close = |a: Vector, b: Vector| a.distance(b) < 0.02 * weight;
+    assert!((ours.total_force_magnitude / weight - 1.0).abs() < 0.02, "{ours:?} {rapiers:?}");
+    assert!((ours.max_force_magnitude / weight - 1.0).abs() < 0.02, "{ours:?} {rapiers:?}");
+    assert!(close(ours.total_force, rapiers.total_force), "{ours:?} {rapiers:?}");
+    assert!(ours.max_force_direction.distance(rapiers.max_force_direction) < 0.01, "{ours:?} {rapiers:?}");
+    // And with friction both are the whole force on the body.
+    assert!(our_force.x < -0.7 * weight && our_force.z < -0.2 * weight, "{our_force}");
+    assert!(close(our_force, rapiers_force), "{our_force} {rapiers_force}");
 }

@@ -48,6 +48,29 @@ fn a_part_flush_with_the_inside_of_another_is_no_cavity() {
     }
 }
 
+/// Two wedges that stand on the same corner, one vertex of the file, which lies on the inside of the block around them.
+#[test]
+fn parts_that_share_a_corner_each_touch_what_it_lies_on() {
+    let wedge = |[x, z]: [f64; 2]| {
+        let foot = DVec3::new(0.5, 0.0, 0.5);
+        let [a, b, c] = [[0.0, 0.0], [0.1, 0.0], [0.0, 0.1]].map(|[u, v]| DVec3::new(x + u, 0.4, z + v));
+        let triangles = vec![[1, 3, 2], [0, 1, 2], [0, 2, 3], [0, 3, 1]];
+        TriangleMesh { vertices: vec![foot, a, b, c], triangles }
+    };
+    let mesh = joined([block([0.0; 3], [1.0; 3]), wedge([0.2, 0.2]), wedge([0.7, 0.7])]);
+    for share in [false, true] {
+        let mut mesh = mesh.clone();
+        if share {
+            let foot = |vertex| if vertex == 12 { 8 } else { vertex };
+            mesh.triangles.iter_mut().for_each(|triangle| *triangle = triangle.map(foot));
+        }
+        let solid = Solid::new(&mesh).unwrap();
+        assert_eq!((solid.diagnosis().shells, solid.diagnosis().cavities), (3, 0), "shared: {share}");
+        let error = solid.properties().volume - 1.0;
+        assert!(error.abs() < 1e-12, "shared: {share}, the volume is {error} off");
+    }
+}
+
 /// A cavity remains one when it is shared out among shells, and what lies in it is a part.
 #[test]
 fn a_part_that_lies_in_a_cavity_is_no_cavity() {

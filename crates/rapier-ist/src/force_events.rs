@@ -1,8 +1,8 @@
 //! Contact-force events of the pairs that the penalty pushes apart.
 //!
 //! Rapier sends these events from the impulses of its own solver, which are zero for such pairs. Its event handlers
-//! get a [`ContactPair`], so the patches of the report are written into one: a manifold with one point per patch, its
-//! normal along the patch's force.
+//! get a [`ContactPair`], so the patches of the report are written into one: a manifold with one point per patch. As in Rapier's
+//! own, the impulse is that along the normal, and friction stands beside it.
 
 use crate::report::key;
 use crate::touching::asleep;
@@ -11,10 +11,11 @@ use rapier3d::dynamics::RigidBodyBuilder;
 use rapier3d::geometry::{
     Collider, ColliderBuilder, ColliderHandle, ContactManifold, ContactPair, PairContacts,
 };
-use rapier3d::math::{Real, Vector};
+use rapier3d::math::{Real, TangentImpulse, Vector};
 use rapier3d::parry::query::TrackedContact;
 use rapier3d::parry::shape::PackedFeatureId;
 use rapier3d::pipeline::{ActiveEvents, EventHandler, PhysicsWorld};
+use rapier3d::utils::OrthonormalBasis;
 use std::fmt;
 
 /// Sends the events and remembers which pairs were above their threshold.
@@ -35,7 +36,7 @@ impl ForceEvents {
         for (index, contact) in report.contacts.iter().enumerate() {
             let Some(threshold) = threshold(world, contact) else { continue };
             let patches = report.patches_of(index);
-            let magnitude: Real = patches.iter().map(PatchContact::magnitude).sum();
+            let magnitude: Real = patches.iter().map(PatchContact::normal_force).sum();
             if magnitude > threshold {
                 let started = !self.was_above(contact);
                 let pair = contact_pair(world, contact, patches, self.blank(started));
@@ -86,7 +87,7 @@ fn contact_pair(
     let poses = contact.colliders().map(|handle| world.colliders.get(handle).map(|c| *c.position()));
     let [pose_a, pose_b] = poses.map(Option::unwrap_or_default);
     let manifold = |patch: &PatchContact| {
-        let normal = patch.force.try_normalize().unwrap_or(Vector::ZERO);
+        let normal = patch.normal;
         let half = normal * (0.5 * patch.depth);
         let point = TrackedContact::new(
             pose_a.inverse_transform_point(patch.centroid + half),
@@ -100,7 +101,8 @@ fn contact_pair(
         manifold.local_n2 = -(pose_b.rotation.inverse() * normal);
         manifold.data.normal = normal;
         manifold.points.push(point);
-        manifold.points[0].data.impulse = patch.magnitude() * dt;
+        manifold.points[0].data.impulse = patch.normal_force() * dt;
+        manifold.points[0].data.tangent_impulse = tangent_impulse(normal, -patch.force * dt);
         manifold
     };
     let mut pair = blank;
@@ -111,6 +113,13 @@ fn contact_pair(
         rigid.manifolds = patches.iter().map(manifold).collect();
     }
     pair
+}
+
+/// What of an impulse on the first body is across the normal, along the tangents that Rapier's solver takes: they belong to the
+/// direction that pushes the first body.
+fn tangent_impulse(normal: Vector, impulse: Vector) -> TangentImpulse<Real> {
+    let tangent = (-normal).orthonormal_vector();
+    TangentImpulse::new(impulse.dot(tangent), impulse.dot((-normal).cross(tangent)))
 }
 
 /// A pair that Rapier has sent a force event for: two balls pressed together for a step.

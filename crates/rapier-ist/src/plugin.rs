@@ -50,8 +50,8 @@ use std::time::Instant;
 /// - Rapier's own contacts of these bodies carry and rub as without the plugin. They and links of multibodies are solved by Rapier
 ///   once more, within what the plugin expects of them.
 /// - `CollisionEvent`s come from Rapier, when a pair overlaps at the start of a step. Contact-force events come from the
-///   volume contacts, with one manifold and one contact for each [`crate::PatchContact`]. Their forces are whole ones, with friction,
-///   where Rapier tells of the normal part alone: those of a sliding body are larger and point backwards.
+///   volume contacts, with one manifold and one contact for each [`crate::PatchContact`]: as in Rapier, their forces are normal
+///   ones, and friction is in the tangent impulses of the contacts.
 ///
 /// # Bad input
 /// - A body with a velocity, force or torque that is not finite does not give way in that step and passes nothing on;

@@ -79,6 +79,8 @@ pub struct PatchContact {
     pub depth: f32,
     /// Centroid of this part of the overlap (m).
     pub centroid: Vector,
+    /// Direction in which it pushes B, friction aside, of unit length; zero where it does not push.
+    pub normal: Vector,
     /// Mean force on B during the step (N).
     pub force: Vector,
     /// Mean torque on B about [`Self::centroid`] (N·m).
@@ -132,9 +134,10 @@ impl PairContact {
 }
 
 impl PatchContact {
-    /// Magnitude of the force (N).
-    pub(crate) fn magnitude(&self) -> Real {
-        self.force.length()
+    /// The part of [`Self::force`] along [`Self::normal`] (N); the rest is friction.
+    #[must_use]
+    pub fn normal_force(&self) -> Real {
+        self.force.dot(self.normal)
     }
 }
 

@@ -128,13 +128,14 @@ fn collect(
         let [a, b] = pairs[pair];
         sums[b] += wrench.wrench_from(origin - bodies.states[b].center_of_mass);
         sums[a] += -wrench.wrench_from(origin - bodies.states[a].center_of_mass);
-        report.patches.extend(solved.patches.iter().map(|patch| {
+        report.patches.extend(solved.patches.iter().zip(solved.pushes()).map(|(patch, push)| {
             let wrench = patch.wrench(twist);
             PatchContact {
                 pair: report.contacts.len(),
                 volume: patch.volume as Real,
                 depth: patch.depth as Real,
                 centroid: (origin + patch.arm).as_vec3(),
+                normal: push.normalize_or_zero().as_vec3(),
                 force: wrench.linear.as_vec3(),
                 torque: wrench.wrench_from(-patch.arm).angular.as_vec3(),
                 relative_velocity: relative_velocity.twist_at(patch.arm).linear.as_vec3(),

@@ -43,7 +43,7 @@ fn normalise(bytes: &[u8]) -> Vec<u8> {
 fn end_of_binary(bytes: &[u8]) -> Option<usize> {
     let count = bytes.get(HEADER..HEADER + 4)?;
     let facets = u32::from_le_bytes([count[0], count[1], count[2], count[3]]) as usize;
-    let end = HEADER + 4 + facets * RECORD;
+    let end = facets.checked_mul(RECORD)?.checked_add(HEADER + 4)?;
     (bytes.len() == end || (bytes.len() > end && count.contains(&0))).then_some(end)
 }
 

@@ -80,6 +80,8 @@ struct Closed {
     coarseness: usize,
     /// Whether a face was turned for it.
     has_turned: bool,
+    /// Whether parts of it may lie inside its union.
+    has_sheets: bool,
 }
 
 /// Turns faces to agree with their neighbours and shells to face outwards; enters what is found on the way. `before` are
@@ -127,7 +129,8 @@ fn close(
     // Triangles that were turned cross rays the other way.
     let bvh = if outward.is_reversed.contains(&true) { bvh_of(&mesh) } else { bvh };
     let has_turned = mesh.triangles != unturned;
-    Some(Closed { mesh, neighbours, shared, bvh, meetings, coarseness, has_turned })
+    let has_sheets = outward.hides_shells || !meetings.iter().all(Meeting::grazes);
+    Some(Closed { mesh, neighbours, shared, bvh, meetings, coarseness, has_turned, has_sheets })
 }
 
 /// Shared edges whose faces still turned in the last round.
@@ -256,7 +259,7 @@ fn union(closed: &Closed) -> Visible {
 
 /// From the whole surface to what bounds its union, if anything does.
 fn finish(closed: Closed, d: &mut Diagnosis) -> Option<Surface> {
-    let visible = (!closed.meetings.iter().all(Meeting::grazes)).then(|| union(&closed));
+    let visible = closed.has_sheets.then(|| union(&closed));
     let Closed { mesh, neighbours, shared, bvh, .. } = closed;
     // Several faces are equally near there, and they need not agree.
     let mut is_shared = vec![false; mesh.vertices.len()];

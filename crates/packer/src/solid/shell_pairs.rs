@@ -12,10 +12,10 @@ use std::collections::HashSet;
 /// How many measures there are of what lies on a plane, see [`on_plane`].
 pub(super) const COARSENESSES: usize = 3;
 
-/// A corner nearer to a plane than this (m) lies on it; the next coarser measure counts where with the one before the union is not
-/// closed. Rotating a mesh moves its corners by 1e-16 of their coordinates: faces that were flush remain so, even ten thousand sizes
-/// from the origin. The coarsest one is at least what writing both corner and plane in single precision moves them by, half a unit in the last place
-/// along each axis.
+/// A corner nearer to a plane than this (m) lies on it; the next coarser measure counts where with the one before the
+/// union is not closed. Rotating a mesh moves its corners by 1e-16 of their coordinates: faces that were flush remain so,
+/// even ten thousand sizes from the origin. The coarsest one is at least what writing both corner and plane in single
+/// precision moves them by, half a unit in the last place along each axis.
 pub(super) fn on_plane(mesh: &TriangleMesh, coarseness: usize) -> f64 {
     let (lower, upper) = mesh.bounds();
     let share = [1e-11, 1e-9, 1e-7][coarseness];
@@ -33,8 +33,8 @@ pub(super) struct Found {
 }
 
 /// Finds where the surface meets itself, as finely as shells can be told apart: copies of a part that differ by more than
-/// rounding but by less than anyone can want are all but flush everywhere, and nothing else tells that they overlap. Which shells
-/// touch is always told by the coarsest measure.
+/// rounding but by less than anyone can want are all but flush everywhere, and nothing else tells that they overlap. Which
+/// shells touch is always told by the coarsest measure.
 pub(super) fn find(
     mesh: &TriangleMesh,
     neighbours: &Neighbours,
@@ -79,11 +79,12 @@ pub(super) fn find(
 /// Pairs of shells of which a corner of the one lies on the other, by the coarsest measure. O(n log n) for n triangles.
 fn touching(mesh: &TriangleMesh, bvh: &Bvh, shell_of: &[u32]) -> HashSet<[u32; 2]> {
     let near = on_plane(mesh, COARSENESSES - 1);
-    let mut is_seen = vec![false; mesh.vertices.len()];
+    // Of which shell a corner was asked last: shells may have corners in common.
+    let mut asked_for: Vec<Option<u32>> = vec![None; mesh.vertices.len()];
     let mut touching = HashSet::new();
     for (triangle, shell) in mesh.triangles.iter().zip(shell_of) {
         for vertex in triangle.map(|vertex| vertex as usize) {
-            if std::mem::replace(&mut is_seen[vertex], true) {
+            if asked_for[vertex].replace(*shell) == Some(*shell) {
                 continue;
             }
             let corner = mesh.vertices[vertex];

@@ -29,6 +29,8 @@ pub(super) struct Outward {
     pub(super) cavities: usize,
     /// For each shell whether its orientation was reversed.
     pub(super) is_reversed: Vec<bool>,
+    /// Whether a shell has material on both of its sides: it bounds nothing of the union.
+    pub(super) hides_shells: bool,
 }
 
 /// Orients every shell so that its normals leave the material. `shell_of` tells each triangle's shell. For s shells
@@ -44,6 +46,7 @@ pub(super) fn face_outward(
     let mut from_largest: Vec<usize> = (0..shells.len()).collect();
     from_largest.sort_by(|a, b| volumes[*b].abs().total_cmp(&volumes[*a].abs()).then(a.cmp(b)));
     let mut is_cavity = vec![false; shells.len()];
+    let mut hides_shells = false;
     for index in from_largest {
         let around = (0..shells.len())
             .filter(|other| *other != index && !pairs.cut(index, *other))
@@ -55,13 +58,15 @@ pub(super) fn face_outward(
             touches |= !is_cavity[other] && pairs.touch(index, other);
         }
         is_cavity[index] = winding > 0 && !touches;
+        hides_shells |= winding != i32::from(is_cavity[index]);
     }
     let is_reversed: Vec<bool> =
         volumes.iter().zip(&is_cavity).map(|(volume, is_cavity)| (*volume < 0.0) != *is_cavity).collect();
     for (shell, _) in shells.iter().zip(&is_reversed).filter(|(_, is_reversed)| **is_reversed) {
         shell.triangles.iter().for_each(|triangle| turn(mesh, neighbours, *triangle as usize));
     }
-    Outward { cavities: is_cavity.iter().filter(|is_cavity| **is_cavity).count(), is_reversed }
+    let cavities = is_cavity.iter().filter(|is_cavity| **is_cavity).count();
+    Outward { cavities, is_reversed, hides_shells }
 }
 
 fn collect(mesh: &TriangleMesh, shell_of: &[u32]) -> Vec<Shell> {

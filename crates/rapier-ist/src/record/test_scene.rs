@@ -57,6 +57,7 @@ impl Fall {
             volume: 0.125,
             depth,
             centroid: Vector::X,
+            normal: Vector::Y,
             force: Vector::Y * 4.0,
             torque: Vector::Z,
             relative_velocity: Vector::NEG_X,
