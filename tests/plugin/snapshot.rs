@@ -97,3 +97,26 @@ fn a_hook_of_the_users_is_not_taken_for_the_plugins() {
         assert_eq!(collider.active_hooks(), expected);
     }
 }
+
+/// They were left as they were, and the world could not be written.
+#[test]
+fn issue_compounds_that_hold_solids_are_saved_with_stand_ins() {
+    let (mut world, ..) = weightless();
+    let compound = |parts: Vec<SharedShape>| {
+        SharedShape::compound(
+            parts.into_iter().map(|part| (Pose::translation(0.3, 0.0, 0.0), part)).collect(),
+        )
+    };
+    let dumbbell = || compound(vec![ball().into_shared(), SharedShape::cuboid(0.1, 0.2, 0.3)]);
+    let cuboids = ColliderBuilder::new(compound(vec![SharedShape::cuboid(0.1, 0.2, 0.3)]));
+    world.insert(dynamic(Vector::ZERO), ColliderBuilder::new(dumbbell()).user_data(1));
+    let (_, cuboids) = world.insert(dynamic(Vector::Y), cuboids);
+    let saved = snapshot::save(&mut world, bytes);
+    let mut restored: PhysicsWorld = ciborium::from_reader(saved.as_slice()).unwrap();
+    assert!(restored.colliders[cuboids].shape().as_compound().is_some(), "what can be written is");
+    snapshot::restore(&mut restored.colliders, |_, collider| (collider.user_data > 0).then(dumbbell));
+    for (handle, collider) in world.colliders.iter() {
+        let restored = restored.colliders[handle].shape();
+        assert_eq!(restored.compute_local_aabb(), collider.shape().compute_local_aabb());
+    }
+}

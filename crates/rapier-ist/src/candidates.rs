@@ -5,14 +5,14 @@
 
 use crate::WorldParts;
 use crate::drives::Drives;
-use crate::hooks::{is_filtered_by_user, is_solid};
+use crate::hooks::is_solid;
 use crate::lookahead::Displacement;
-use rapier3d::dynamics::{RigidBody, RigidBodyHandle, RigidBodyType};
-use rapier3d::geometry::{Collider, ColliderHandle, Shape, SolverFlags};
+use crate::permission::Permission;
+use rapier3d::geometry::{Collider, ColliderHandle, Shape};
 use rapier3d::math::{Pose, Real};
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::parry::partitioning::{Bvh, BvhBuildStrategy};
-use rapier3d::pipeline::{ActiveHooks, PairFilterContext, PhysicsHooks};
+use rapier3d::pipeline::PhysicsHooks;
 use std::collections::HashMap;
 use std::ops::RangeInclusive;
 
@@ -52,11 +52,11 @@ impl Candidate {
 /// collide; sorted by handles.
 pub(crate) fn candidates(world: &WorldParts<'_>, hooks: &dyn PhysicsHooks) -> Vec<Candidate> {
     let colliders = Colliders::new(world);
-    let filter = Filter { world, hooks };
+    let permission = Permission { world, hooks };
     let mut pairs = Vec::new();
     let driven = colliders.driven(world);
-    colliders.add_near(&filter, &mut pairs);
-    colliders.add_distant(&filter, &driven, &mut pairs);
+    colliders.add_near(&permission, &mut pairs);
+    colliders.add_distant(&permission, &driven, &mut pairs);
     for pair in &mut pairs {
         pair.is_driven = pair.colliders.iter().any(|collider| driven.contains_key(collider));
     }
@@ -99,15 +99,15 @@ impl<'a> Colliders<'a> {
     }
 
     /// Pairs whose boxes overlap.
-    fn add_near(&self, filter: &Filter<'_>, pairs: &mut Vec<Candidate>) {
+    fn add_near(&self, permission: &Permission<'_>, pairs: &mut Vec<Candidate>) {
         for (index, solid) in self.solids.iter().enumerate() {
             for (_, other) in self.solids_in(&solid.bounds).filter(|(other, _)| *other > index) {
-                filter.push(solid, other, 0.0..=0.0, pairs);
+                push(permission, [solid, other], 0.0..=0.0, pairs);
             }
         }
         for other in &self.others {
             for (_, solid) in self.solids_in(&other.bounds) {
-                filter.push(solid, other, 0.0..=0.0, pairs);
+                push(permission, [solid, other], 0.0..=0.0, pairs);
             }
         }
     }
@@ -125,7 +125,7 @@ impl<'a> Colliders<'a> {
     /// Pairs that one of `pairs` may push into each other, or that something drives there; some twice.
     fn add_distant(
         &self,
-        filter: &Filter<'_>,
+        permission: &Permission<'_>,
         driven: &HashMap<ColliderHandle, Real>,
         pairs: &mut Vec<Candidate>,
     ) {
@@ -139,14 +139,14 @@ impl<'a> Colliders<'a> {
             let Some(way) = way(solid) else { continue };
             for (_, other) in self.solids_in(&solid.bounds.loosened(way)).filter(|(other, _)| *other != index)
             {
-                filter.push(solid, other, Real::MIN_POSITIVE..=way, pairs);
+                push(permission, [solid, other], Real::MIN_POSITIVE..=way, pairs);
             }
         }
         for other in &self.others {
             for (_, solid) in self.solids_in(&other.bounds.loosened(most)) {
                 let pushed = [way(solid), way(other)].into_iter().flatten();
                 if let Some(way) = pushed.reduce(Real::max) {
-                    filter.push(solid, other, Real::MIN_POSITIVE..=way, pairs);
+                    push(permission, [solid, other], Real::MIN_POSITIVE..=way, pairs);
                 }
             }
         }
@@ -191,103 +191,28 @@ struct Near<'a> {
     bounds: Aabb,
 }
 
-/// Everything that can forbid a contact in Rapier.
-struct Filter<'a> {
-    world: &'a WorldParts<'a>,
-    hooks: &'a dyn PhysicsHooks,
-}
-
-impl Filter<'_> {
-    /// Adds a pair whose boxes are as far apart as `distances` allow (m).
-    fn push(&self, a: &Near, b: &Near, distances: RangeInclusive<Real>, pairs: &mut Vec<Candidate>) {
-        let (a, b) = if a.handle.into_raw_parts() < b.handle.into_raw_parts() { (a, b) } else { (b, a) };
-        let clearance = gap(&a.bounds, &b.bounds);
-        if distances.contains(&clearance) && self.may_collide(a, b) {
-            pairs.push(Candidate {
-                colliders: [a.handle, b.handle],
-                poses: [a.pose, b.pose],
-                displacements: [a.displacement, b.displacement],
-                size: longest_side(a.collider.shape()).min(longest_side(b.collider.shape())),
-                touched: false,
-                clearance,
-                is_distant: clearance > 0.0,
-                is_driven: false,
-                was_apart: false,
-                is_at_end: false,
-            });
-        }
-    }
-
-    fn may_collide(&self, a: &Near, b: &Near) -> bool {
-        let (parent_a, parent_b) = (a.collider.parent(), b.collider.parent());
-        if parent_a.is_some() && parent_a == parent_b {
-            return false;
-        }
-        let (body_a, body_b) = (self.body(parent_a), self.body(parent_b));
-        let awake =
-            |body: Option<&RigidBody>| body.is_some_and(|b| b.is_dynamic_or_kinematic() && !b.is_sleeping());
-        let dynamic = |body: Option<&RigidBody>| body.is_some_and(RigidBody::is_dynamic);
-        // Rapier hands a body's state on to its colliders during its step; the body itself knows now.
-        let disabled = |body: Option<&RigidBody>| body.is_some_and(|body| !body.is_enabled());
-        if disabled(body_a) || disabled(body_b) {
-            return false;
-        }
-        let types = [body_a, body_b].map(|body| body.map_or(RigidBodyType::Fixed, RigidBody::body_type));
-        let allows = |near: &Near| near.collider.active_collision_types().test(types[0], types[1]);
-        (allows(a) || allows(b))
-            && a.collider.collision_groups().test(b.collider.collision_groups())
-            && a.collider.solver_groups().test(b.collider.solver_groups())
-            && (dynamic(body_a) || dynamic(body_b))
-            && (awake(body_a) || awake(body_b))
-            && !self.joined_without_contacts(parent_a, parent_b)
-            && self.user_allows(a, b)
-            && self.user_leaves_contacts(a, b)
-    }
-
-    fn body(&self, handle: Option<RigidBodyHandle>) -> Option<&RigidBody> {
-        self.world.bodies.get(handle?)
-    }
-
-    fn joined_without_contacts(&self, a: Option<RigidBodyHandle>, b: Option<RigidBodyHandle>) -> bool {
-        let (Some(a), Some(b)) = (a, b) else { return false };
-        let impulse =
-            self.world.impulse_joints.joints_between(a, b).any(|(_, joint)| !joint.data.contacts_enabled());
-        let multibody = self
-            .world
-            .multibody_joints
-            .joint_between(a, b)
-            .is_some_and(|(_, _, link)| !link.joint.data.contacts_enabled());
-        impulse || multibody
-    }
-
-    fn user_allows(&self, a: &Near, b: &Near) -> bool {
-        if !is_filtered_by_user(a.collider) && !is_filtered_by_user(b.collider) {
-            return true;
-        }
-        let context = PairFilterContext {
-            bodies: self.world.bodies,
-            colliders: self.world.colliders,
-            collider1: a.handle,
-            collider2: b.handle,
-            rigid_body1: a.collider.parent(),
-            rigid_body2: b.collider.parent(),
-        };
-        let flags = self.hooks.filter_contact_pair(&context);
-        flags.is_some_and(|flags| flags.contains(SolverFlags::COMPUTE_RIGID_IMPULSES))
-    }
-
-    /// Whether the user's hook has left any contacts of the pair when Rapier last asked it; where the user has no
-    /// such hook, yes.
-    ///
-    /// The hook works on Rapier's manifolds, which are as old as the last detection. A pair that it has not
-    /// seen yet is not pushed: a one-way platform would otherwise stop everything once.
-    fn user_leaves_contacts(&self, a: &Near, b: &Near) -> bool {
-        let hooks = a.collider.active_hooks() | b.collider.active_hooks();
-        if !hooks.contains(ActiveHooks::MODIFY_SOLVER_CONTACTS) {
-            return true;
-        }
-        let pair = self.world.narrow_phase.contact_pair(a.handle, b.handle);
-        pair.is_some_and(|pair| pair.solver_manifolds().iter().any(|m| !m.data.solver_contacts.is_empty()))
+/// Adds a pair that may touch, if its boxes are as far apart as `distances` allow (m).
+fn push(
+    permission: &Permission<'_>,
+    [a, b]: [&Near<'_>; 2],
+    distances: RangeInclusive<Real>,
+    pairs: &mut Vec<Candidate>,
+) {
+    let (a, b) = if a.handle.into_raw_parts() < b.handle.into_raw_parts() { (a, b) } else { (b, a) };
+    let clearance = gap(&a.bounds, &b.bounds);
+    if distances.contains(&clearance) && permission.allows((a.handle, a.collider), (b.handle, b.collider)) {
+        pairs.push(Candidate {
+            colliders: [a.handle, b.handle],
+            poses: [a.pose, b.pose],
+            displacements: [a.displacement, b.displacement],
+            size: longest_side(a.collider.shape()).min(longest_side(b.collider.shape())),
+            touched: false,
+            clearance,
+            is_distant: clearance > 0.0,
+            is_driven: false,
+            was_apart: false,
+            is_at_end: false,
+        });
     }
 }
 

@@ -123,6 +123,7 @@ mod model;
 mod modified_contacts;
 mod nearest_triangle;
 mod penalty;
+mod permission;
 mod plugin;
 mod query;
 #[cfg(feature = "mcap")]

@@ -4,7 +4,7 @@
 //! poses, not at the present ones: a body that arrives during the step is stopped where it touches, instead of
 //! being found deep inside one step too late.
 
-use crate::penalty::Screw;
+use crate::penalty::{Screw, way_to_next_position};
 use ist::RigidMotion;
 use rapier3d::dynamics::{RigidBody, RigidBodyType};
 use rapier3d::glamx::DVec3;
@@ -29,7 +29,7 @@ impl Displacement {
         let center = body.center_of_mass().as_dvec3();
         let screw = match body.body_type() {
             _ if body.is_sleeping() || body.is_fixed() => Screw::ZERO,
-            RigidBodyType::KinematicPositionBased => target(body),
+            RigidBodyType::KinematicPositionBased => way_to_next_position(body),
             _ => {
                 Screw { linear: body.linvel().as_dvec3(), angular: body.angvel().as_dvec3() } * f64::from(dt)
             }
@@ -98,16 +98,6 @@ impl Sub for Displacement {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
         Self { center: self.center, screw: self.screw - other.screw }
-    }
-}
-
-/// Displacement of a position-based kinematic body to its next position.
-fn target(body: &RigidBody) -> Screw {
-    let (now, next) = (body.position(), body.next_position());
-    let center = body.local_center_of_mass();
-    Screw {
-        linear: (*next * center - *now * center).as_dvec3(),
-        angular: (next.rotation * now.rotation.inverse()).to_scaled_axis().as_dvec3(),
     }
 }
 

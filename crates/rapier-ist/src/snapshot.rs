@@ -27,13 +27,13 @@
 //! measures contacts anew that it would have recycled; without `contact_recycling` that makes no difference either. Of
 //! a plugin that is not cloned, copy `model`, `substeps` and stiffnesses of colliders and pairs.
 //!
-//! Compounds that hold an [`IstShape`] are not replaced: take such colliders out before saving.
+//! Compounds that hold an [`IstShape`] are replaced as a whole; give them back as a [`SharedShape`].
 
 use crate::IstShape;
-use rapier3d::geometry::{Collider, ColliderHandle, ColliderSet, SharedShape};
+use rapier3d::geometry::{Collider, ColliderHandle, ColliderSet, Shape, SharedShape};
 use rapier3d::pipeline::PhysicsWorld;
 
-/// Calls `write` on `world` with a ball in place of every [`IstShape`], and leaves the world as it was.
+/// Calls `write` on `world` with a ball in place of every [`IstShape`] and every compound that holds one, and leaves the world as it was.
 pub fn save<T>(world: &mut PhysicsWorld, write: impl FnOnce(&PhysicsWorld) -> T) -> T {
     let stand_ins = stand_ins(&world.colliders);
     let colliders = std::mem::replace(&mut world.colliders, stand_ins);
@@ -42,15 +42,20 @@ pub fn save<T>(world: &mut PhysicsWorld, write: impl FnOnce(&PhysicsWorld) -> T)
     written
 }
 
-/// A copy of `colliders` that Rapier can serialise: each [`IstShape`] is replaced by its bounding ball.
+/// A copy of `colliders` that Rapier can serialise: each [`IstShape`], and each compound that holds one, is replaced by its
+/// bounding ball.
 ///
 /// For who keeps Rapier's sets without a [`PhysicsWorld`], which [`save`] takes.
 #[must_use]
 pub fn stand_ins(colliders: &ColliderSet) -> ColliderSet {
     let mut copy = colliders.clone();
     for (handle, collider) in colliders.iter() {
-        let Some(solid) = collider.shape().as_shape::<IstShape>() else { continue };
-        let (_, radius) = solid.tree().bounding_ball();
+        let shape = collider.shape();
+        let radius = match shape.as_shape::<IstShape>() {
+            Some(solid) => solid.tree().bounding_ball().1,
+            None if holds_a_solid(shape) => shape.compute_local_bounding_sphere().radius(),
+            None => continue,
+        };
         if let Some(collider) = copy.get_mut(handle) {
             collider.set_shape(SharedShape::ball(radius));
         }
@@ -58,16 +63,21 @@ pub fn stand_ins(colliders: &ColliderSet) -> ColliderSet {
     copy
 }
 
+fn holds_a_solid(shape: &dyn Shape) -> bool {
+    let Some(compound) = shape.as_compound() else { return false };
+    compound.shapes().iter().any(|(_, part)| part.as_shape::<IstShape>().is_some() || holds_a_solid(&**part))
+}
+
 /// Gives the colliders that `shape` knows their solids back. Call it before the first step after loading.
-pub fn restore(
+pub fn restore<S: Into<SharedShape>>(
     colliders: &mut ColliderSet,
-    mut shape: impl FnMut(ColliderHandle, &Collider) -> Option<IstShape>,
+    mut shape: impl FnMut(ColliderHandle, &Collider) -> Option<S>,
 ) {
     let known: Vec<_> =
         colliders.iter().filter_map(|(handle, c)| Some((handle, shape(handle, c)?))).collect();
     for (handle, shape) in known {
         if let Some(collider) = colliders.get_mut(handle) {
-            collider.set_shape(shape.into_shared());
+            collider.set_shape(shape.into());
         }
     }
 }

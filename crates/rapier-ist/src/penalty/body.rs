@@ -129,14 +129,20 @@ fn target_twist(body: &RigidBody, dt: Real) -> Screw {
     if dt <= 0.0 {
         return Screw::ZERO;
     }
-    let (now, next) = (body.position(), body.next_position());
-    let com = body.local_center_of_mass();
-    let turn = (next.rotation * now.rotation.inverse()).to_scaled_axis();
-    let screw = Screw {
-        linear: (*next * com - *now * com).as_dvec3() / f64::from(dt),
-        angular: turn.as_dvec3() / f64::from(dt),
-    };
+    let Screw { linear, angular } = way_to_next_position(body);
+    let screw = Screw { linear: linear / f64::from(dt), angular: angular / f64::from(dt) };
     if screw.is_finite() { screw } else { Screw::ZERO }
+}
+
+/// Translation of the centre of mass (m) and rotation vector (rad) that take a position-based kinematic body to its next
+/// position.
+pub(crate) fn way_to_next_position(body: &RigidBody) -> Screw {
+    let (now, next) = (body.position(), body.next_position());
+    let center = body.local_center_of_mass();
+    Screw {
+        linear: (*next * center - *now * center).as_dvec3(),
+        angular: (next.rotation * now.rotation.inverse()).to_scaled_axis().as_dvec3(),
+    }
 }
 
 pub(crate) fn symmetric(m: &rapier3d::math::AngularInertia) -> DMat3 {

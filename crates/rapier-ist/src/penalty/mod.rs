@@ -36,7 +36,7 @@ mod sample;
 mod system;
 mod twist;
 
-pub(crate) use body::{SolverBody, symmetric};
+pub(crate) use body::{SolverBody, symmetric, way_to_next_position};
 pub(crate) use impact::Impact;
 pub(crate) use island::{IslandJoint, Members, islands};
 pub(crate) use joint::{JointForces, JointRow, JointWrench, RowKind, compliance};
