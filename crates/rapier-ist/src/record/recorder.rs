@@ -310,12 +310,13 @@ impl<W: Write + Seek> Recorder<W> {
         self.sink.write("/log", self.time, &log)
     }
 
-    /// Name of the body that a collider belongs to, else one made of the collider's handle.
+    /// Name of the body that a collider belongs to, else one made of the collider's handle, which no body has: names have no
+    /// colons.
     fn collider_name(&self, world: &PhysicsWorld, collider: ColliderHandle) -> String {
         let parent = world.colliders.get(collider).and_then(|collider| collider.parent());
         match parent.and_then(|body| self.body_index.get(&body)) {
             Some(&index) => self.poses.name(index).to_owned(),
-            None => format!("collider_{}", collider.into_raw_parts().0),
+            None => format!("collider:{}", collider.into_raw_parts().0),
         }
     }
 

@@ -53,6 +53,23 @@ fn every_topic_reads_back() {
     assert_eq!(summary.attachment_indexes.len(), 1, "equal packings are attached once");
 }
 
+/// A body could have the name that a collider without a description got.
+#[test]
+fn issue_undescribed_colliders_have_names_of_their_own() {
+    let index = Fall::new().colliders[0].into_raw_parts().0;
+    for name in [format!("collider_{index}"), format!("collider:{index}")] {
+        let mut fall = Fall::new();
+        let mut bytes = Cursor::new(Vec::new());
+        let mut recorder = Recorder::new(&mut bytes, RecordOptions::contacts()).unwrap();
+        recorder.add_body(&BodyDescription::new(fall.bodies[1], &name)).unwrap();
+        fall.run(&mut recorder, 1).unwrap();
+        recorder.finish().unwrap();
+        let (_, contacts) = &read::<Contacts>(bytes.get_ref(), "/contacts")[0];
+        let contact = &contacts.contacts[0];
+        assert_ne!(contact.body_a, contact.body_b);
+    }
+}
+
 #[test]
 fn arrows_point_along_the_force_and_keep_one_name() {
     let (bytes, _) = recording(RecordOptions::contacts().arrow_length_per_newton(0.5));
