@@ -101,6 +101,7 @@ mod against_shape;
 mod arrival;
 mod bodies;
 mod candidates;
+mod collect;
 mod contact_law;
 mod containment;
 #[cfg(feature = "debug-render")]
