@@ -18,6 +18,11 @@ fn block(lower: [f64; 3], upper: [f64; 3]) -> TriangleMesh {
     cuboid(DVec3::from_array(lower), DVec3::from_array(upper))
 }
 
+fn tetrahedron(corners: [[f64; 3]; 4]) -> TriangleMesh {
+    let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    TriangleMesh { vertices: corners.map(DVec3::from_array).to_vec(), triangles }
+}
+
 fn turn(axis: DVec3, angle: f64) -> DQuat {
     DQuat::from_axis_angle(axis.normalize(), angle)
 }
@@ -48,14 +53,23 @@ fn a_part_flush_with_the_inside_of_another_is_no_cavity() {
     }
 }
 
+/// The part of a face that an edge of one part cuts off had its middle where a corner of another part touches it, and
+/// counted as inside.
+#[test]
+fn issue_a_corner_in_the_middle_of_a_cut_face_takes_nothing_from_it() {
+    let wedge = tetrahedron([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [0.25, 1.5, 1.25], [1.5, 1.5, 0.25]]);
+    let thorn = tetrahedron([[0.0, 0.5, 0.25], [1.75, 1.0, 0.5], [1.0, 0.75, 1.0], [1.0, 0.25, 1.75]]);
+    let solid = Solid::new(&joined([block([0.0; 3], [2.0; 3]), wedge, thorn])).unwrap();
+    let error = solid.properties().volume / 8.0 - 1.0;
+    assert!(error.abs() < 1e-12, "the volume is {error} off");
+}
+
 /// Two wedges that stand on the same corner, one vertex of the file, which lies on the inside of the block around them.
 #[test]
 fn parts_that_share_a_corner_each_touch_what_it_lies_on() {
     let wedge = |[x, z]: [f64; 2]| {
-        let foot = DVec3::new(0.5, 0.0, 0.5);
-        let [a, b, c] = [[0.0, 0.0], [0.1, 0.0], [0.0, 0.1]].map(|[u, v]| DVec3::new(x + u, 0.4, z + v));
-        let triangles = vec![[1, 3, 2], [0, 1, 2], [0, 2, 3], [0, 3, 1]];
-        TriangleMesh { vertices: vec![foot, a, b, c], triangles }
+        let corner = |u: f64, v: f64| [x + u, 0.4, z + v];
+        tetrahedron([[0.5, 0.0, 0.5], corner(0.0, 0.0), corner(0.1, 0.0), corner(0.0, 0.1)])
     };
     let mesh = joined([block([0.0; 3], [1.0; 3]), wedge([0.2, 0.2]), wedge([0.7, 0.7])]);
     for share in [false, true] {

@@ -106,14 +106,12 @@ pub fn pack_interruptible(
     let watch = Watch::new(signal, options.time_limit);
     let mut reporter = Reporter::new(&mut progress);
     reporter.begin(Stage::Seeds);
-    let Placed { balls, stop, cells } = placing::place(solid, options, &watch, &mut reporter)?;
+    let Placed { balls, stop, cells, gap_samples } = placing::place(solid, options, &watch, &mut reporter)?;
     let mut report = PackReport::of_balls(&balls, solid.properties().volume, stop);
     let placed = watch.elapsed();
     reporter.kept(balls.len(), report.coverage);
     reporter.begin(Stage::Cells);
-    let cells = cells.unwrap_or_else(|| {
-        power_cells::measure(solid, &balls, placing::gap_samples(options, balls.len()), &watch)
-    });
+    let cells = cells.unwrap_or_else(|| power_cells::measure(solid, &balls, gap_samples, &watch));
     watch.go_on()?;
     let measured = watch.elapsed();
     reporter.begin(Stage::Report);

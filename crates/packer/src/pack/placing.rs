@@ -28,6 +28,8 @@ pub(super) struct Placed {
     pub(super) stop: StopReason,
     /// Their power cells, where the stop needed them.
     pub(super) cells: Option<Vec<PowerCell>>,
+    /// Number of gap samples for the cells otherwise.
+    pub(super) gap_samples: usize,
 }
 
 /// Number of gap samples for the cells of `spheres` balls.
@@ -57,7 +59,7 @@ pub(super) fn place(
         stop: None,
     };
     let grid = rounds::place(solid, Smallest { radius: smallest, negligible }, watch, |ball| stops.add(ball));
-    let Stops { mut balls, volume, stop, .. } = stops;
+    let Stops { mut balls, volume, stop, time, .. } = stops;
     debug_assert!(balls == grid.balls(), "what was wanted is what was placed");
     let cells = match stop {
         Some(StopReason::VolumeError) => volume.and_then(|volume| volume.settle(&mut balls)),
@@ -81,7 +83,9 @@ pub(super) fn place(
             _ => PackError::NothingFits { smallest },
         });
     }
-    Ok(Placed { balls, stop, cells })
+    let asked = gap_samples(options, balls.len());
+    let gap_samples = time.zip(watch.left()).map_or(asked, |(time, left)| time.affordable(asked, left));
+    Ok(Placed { balls, stop, cells, gap_samples })
 }
 
 /// Radius (m) under which all balls asked for together fill less than [`NEGLIGIBLE`]; 0 where the caller chose a

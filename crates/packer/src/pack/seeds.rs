@@ -35,31 +35,35 @@ pub(super) const SHARE: f64 = 0.97;
 const CLIMBS: usize = 16;
 /// Of seeds nearer to each other than this share of the larger radius, only the larger one is kept.
 const APART: f64 = 0.1;
+/// Of medial points nearer to each other than this share of the larger radius, only one is looked at: 270 of 4,914 in a ball of
+/// 101,760 triangles. The bunny and the pinion gear are filled with the same balls as without; with 0.05 the gear is not.
+const SAME: f64 = 0.02;
 
-/// Local maxima of the clearance of the empty solid, in descending order.
+/// Local maxima of the clearance of the empty solid, in descending order. Not all of them once the field's watch is over.
 pub(super) fn find(field: &Field) -> Vec<Candidate> {
-    let starts: Vec<Candidate> = medial_points(field)
+    let starts = thin_out(medial_points(field), SAME)
         .into_par_iter()
-        .filter_map(|center| {
-            let radius = field.clearance(center, f64::INFINITY);
-            (radius > 0.0).then_some(Candidate { center, radius, at_boundary: true })
+        .filter(|_| !field.watch.is_over())
+        .filter_map(|start| {
+            let radius = field.clearance(start.center, f64::INFINITY);
+            (radius > 0.0).then_some(Candidate { radius, ..start })
         })
         .collect();
-    let seeds = thin_out(starts)
+    let seeds = thin_out(starts, APART)
         .into_par_iter()
         .map_init(Scratch::default, |scratch, start| climb(start, field, scratch))
         .flatten_iter()
         .collect();
-    thin_out(seeds)
+    thin_out(seeds, APART)
 }
 
-/// Sorts in descending order and drops what lies close to a larger one.
-fn thin_out(mut places: Vec<Candidate>) -> Vec<Candidate> {
+/// Sorts in descending order and drops what lies within `share` of its radius of a larger one.
+fn thin_out(mut places: Vec<Candidate>, share: f64) -> Vec<Candidate> {
     // The sort is stable, so that equals keep their order.
     places.sort_by(|a, b| b.radius.total_cmp(&a.radius));
     let mut kept = BallGrid::default();
     places.retain(|place| {
-        let ball = Ball { center: place.center, radius: APART * place.radius };
+        let ball = Ball { center: place.center, radius: share * place.radius };
         let is_apart = kept.clearance(ball.center, ball.radius) > 0.0;
         if is_apart {
             kept.insert(ball);
@@ -70,8 +74,8 @@ fn thin_out(mut places: Vec<Candidate>) -> Vec<Candidate> {
 }
 
 /// For every sample a point near the medial axis: its inner pole or, if that lies outside the solid, the centre of its
-/// tangent ball; each once.
-fn medial_points(field: &Field) -> Vec<DVec3> {
+/// tangent ball; each once. With the distances from their samples, which are hardly less than the clearance.
+fn medial_points(field: &Field) -> Vec<Candidate> {
     let samples = samples::on_surface(field.solid, SAMPLES);
     let points: Vec<DVec3> = samples.iter().map(|sample| sample.point).collect();
     let vertices = voronoi::vertices(&points);
@@ -85,22 +89,27 @@ fn medial_points(field: &Field) -> Vec<DVec3> {
             }
         }
     }
-    let mut of_poles: Vec<usize> = poles.iter().filter_map(|pole| pole.1).collect();
-    of_poles.sort_unstable();
-    of_poles.dedup();
-    let is_inside: Vec<(usize, bool)> = of_poles
-        .into_par_iter()
-        .map(|index| (index, field.solid.contains(vertices[index].position)))
-        .collect();
-    let inside: FxHashSet<usize> = is_inside.iter().filter(|pole| pole.1).map(|pole| pole.0).collect();
-    let tangent: Vec<DVec3> = samples
+    let mut of_poles: Vec<(usize, f64)> =
+        poles.iter().filter_map(|(squared, index)| Some(((*index)?, squared.sqrt()))).collect();
+    of_poles.sort_unstable_by_key(|pole| pole.0);
+    of_poles.dedup_by_key(|pole| pole.0);
+    // Not by the nearest point of the surface: where that is nearly as far as all others, as in a ball, it takes a thousand times
+    // as long as a ray.
+    let is_inside =
+        |index: usize| !field.watch.is_over() && field.solid.winds_around(vertices[index].position);
+    of_poles = of_poles.into_par_iter().filter(|pole| is_inside(pole.0)).collect();
+    let inside: FxHashSet<usize> = of_poles.iter().map(|pole| pole.0).collect();
+    let place = |center: DVec3, radius: f64| Candidate { center, radius, at_boundary: true };
+    let tangent: Vec<Candidate> = samples
         .par_iter()
         .zip(&poles)
-        .filter(|(_, pole)| pole.1.is_none_or(|index| !inside.contains(&index)))
-        .filter_map(|(sample, _)| tangent_ball::center(field.solid, sample))
+        .filter(|(_, pole)| pole.1.is_none_or(|index| !inside.contains(&index)) && !field.watch.is_over())
+        .filter_map(|(sample, _)| {
+            let center = tangent_ball::center(field.solid, sample)?;
+            Some(place(center, center.distance(sample.point)))
+        })
         .collect();
-    let inner = is_inside.iter().filter(|pole| pole.1).map(|pole| vertices[pole.0].position);
-    inner.chain(tangent).collect()
+    of_poles.iter().map(|(index, radius)| place(vertices[*index].position, *radius)).chain(tangent).collect()
 }
 
 /// Climbs on from `at`, whose clearance is its radius.
@@ -125,4 +134,52 @@ pub(super) fn update(seed: Candidate, field: &Field, scratch: &mut Scratch) -> O
         return Some(seed);
     }
     climb(Candidate { radius: clearance, ..seed }, field, scratch)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::stop_signal::{StopSignal, Watch};
+    use super::*;
+    use crate::{Solid, TriangleMesh};
+
+    /// A ball of 101,760 triangles: all poles are about the middle.
+    fn ball() -> TriangleMesh {
+        let (rings, sides) = (160_u32, 320_u32);
+        let turn = std::f64::consts::PI / f64::from(rings);
+        let mut mesh = TriangleMesh { vertices: vec![DVec3::Z, DVec3::NEG_Z], triangles: Vec::new() };
+        for ring in 1..rings {
+            let (radius, height) = (turn * f64::from(ring)).sin_cos();
+            let of = |side: u32| {
+                DVec3::new(libm::cos(turn * f64::from(side)), libm::sin(turn * f64::from(side)), 0.0)
+            };
+            mesh.vertices.extend((0..sides).map(|side| radius * of(side) + DVec3::Z * height));
+        }
+        let at = |ring: u32, side: u32| 2 + (ring - 1) * sides + side % sides;
+        for side in 0..sides {
+            mesh.triangles.push([0, at(1, side), at(1, side + 1)]);
+            mesh.triangles.push([1, at(rings - 1, side + 1), at(rings - 1, side)]);
+            for ring in 1..rings - 1 {
+                let [a, b] = [0, 1].map(|next| at(ring, side + next));
+                let [c, d] = [0, 1].map(|next| at(ring + 1, side + next));
+                mesh.triangles.extend([[a, c, d], [a, d, b]]);
+            }
+        }
+        mesh
+    }
+
+    /// For 5,000 poles in the middle of a ball the nearest of all its triangles was looked for: 55 s for 81,920 triangles, whatever the
+    /// time limit.
+    #[test]
+    fn issue_poles_that_lie_together_are_looked_at_once() {
+        let solid = Solid::new(&ball()).unwrap();
+        let signal = StopSignal::new();
+        let watch = Watch::new(&signal, None);
+        let balls = BallGrid::default();
+        let field = Field { solid: &solid, balls: &balls, watch: &watch };
+        let points = medial_points(&field);
+        let kept = thin_out(points.clone(), SAME).len();
+        assert!(points.len() > SAMPLES / 2 && kept < SAMPLES / 10, "{kept} of {}", points.len());
+        watch.end();
+        assert!(medial_points(&field).is_empty(), "nothing is looked for once time is over");
+    }
 }

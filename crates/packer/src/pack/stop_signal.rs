@@ -121,6 +121,11 @@ impl<'a> Watch<'a> {
         self.limit.is_some()
     }
 
+    /// What is left of the time limit, if there is one.
+    pub(super) fn left(&self) -> Option<Duration> {
+        Some(self.limit?.saturating_sub(self.elapsed()))
+    }
+
     /// Share of the time for placing that is gone; zero without a limit.
     pub(super) fn share(&self) -> f64 {
         let deadline = self.deadline.load(Ordering::Relaxed);

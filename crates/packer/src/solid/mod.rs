@@ -150,8 +150,8 @@ impl Solid {
         self.surface.mesh.corners(triangle as usize)
     }
 
-    /// Whether the surface winds around `p`, by the majority of three rays; slower than
-    /// [`Self::contains`], but independent of which surface point is nearest.
+    /// Whether the surface winds around `p`, by the majority of three rays: independent of which surface point is nearest.
+    /// Slower than [`Self::contains`], but where much of the surface is about as near, as from the middle of a ball.
     pub(crate) fn winds_around(&self, p: DVec3) -> bool {
         // Directions that no modelled edge or face is aligned with.
         let bvh = self.surface.uncut.as_ref().unwrap_or(&self.surface.bvh);

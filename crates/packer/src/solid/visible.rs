@@ -56,6 +56,19 @@ enum Side {
     Back,
 }
 
+/// Corners of a triangle in its own coordinates.
+const CORNERS: [DVec2; 3] = [DVec2::ZERO, DVec2::X, DVec2::Y];
+
+/// Weights of the corners of a triangle, and of a trapezoid, at the point inside it that is asked for all of it. That is not the
+/// middle, where modelled corners may lie: it has no side where one touches it.
+const IN_TRIANGLE: [f64; 3] = [0.334_937, 0.345_217, 0.319_846];
+const IN_TRAPEZOID: [f64; 4] = [0.270_916, 0.237_405, 0.257_683, 0.233_996];
+
+/// The point of such weights.
+fn inside<const N: usize>(corners: [DVec2; N], weights: [f64; N]) -> DVec2 {
+    corners.into_iter().zip(weights).map(|(corner, weight)| corner * weight).sum()
+}
+
 /// Strips that a triangle which cannot be cut is sampled in, a side.
 const STRIPS: u32 = 8;
 
@@ -174,7 +187,7 @@ impl<'a> Whole<'a> {
                 continue;
             }
             let side = TrianglePlane::new(&self.mesh.corners(seed))
-                .and_then(|plane| self.side(seed as u32, &plane, DVec2::splat(1.0 / 3.0)));
+                .and_then(|plane| self.side(seed as u32, &plane, inside(CORNERS, IN_TRIANGLE)));
             sides[seed] = Some(side);
             component.push(seed);
             while let Some(triangle) = component.pop() {
@@ -233,7 +246,7 @@ impl<'a> Whole<'a> {
         };
         let sides: Vec<Option<Side>> = trapezoids
             .iter()
-            .map(|[a, b, c, d]| self.side(triangle, &plane, 0.25 * (*a + *b + *c + *d)))
+            .map(|trapezoid| self.side(triangle, &plane, inside(*trapezoid, IN_TRAPEZOID)))
             .collect();
         match sides.first() {
             Some(first) if sides.iter().all(|side| side == first) => {
@@ -266,7 +279,7 @@ impl<'a> Whole<'a> {
             })
             .flatten()
             .filter_map(|part| {
-                let side = self.side(triangle, plane, (part[0] + part[1] + part[2]) / 3.0)?;
+                let side = self.side(triangle, plane, inside(part, IN_TRIANGLE))?;
                 Some(facing(side, part.map(|at| plane.point(at))))
             })
             .collect()
