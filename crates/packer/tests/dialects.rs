@@ -165,3 +165,16 @@ fn gltf_nodes_are_trees() {
         serde_json::json!([{ "children": [1, 2] }, { "mesh": 0 }, { "translation": [2, 0, 0], "mesh": 0 }]);
     assert_eq!(load("a.gltf", &gltf(&serde_json::json!([0]), &tree)).unwrap().triangles.len(), 24);
 }
+
+/// The reader panicked, and said nothing but that.
+#[test]
+fn issue_positions_without_an_accessor_are_named() {
+    let file = gltf(&serde_json::json!([0]), &serde_json::json!([{ "mesh": 0 }]));
+    for (accessors, told) in [(0, "accessor 2 of 0"), (2, "accessor 2 of 2")] {
+        let mut file: serde_json::Value = serde_json::from_slice(&file).unwrap();
+        file["accessors"].as_array_mut().unwrap().truncate(accessors);
+        file["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = 2.into();
+        let error = load("a.gltf", &serde_json::to_vec(&file).unwrap()).unwrap_err().to_string();
+        assert!(error.contains("positions of mesh 0") && error.contains(told), "{error}");
+    }
+}

@@ -5,9 +5,11 @@ use crate::TriangleMesh;
 use base64::Engine;
 use glam::{DMat4, DQuat, DVec3, Mat4};
 use gltf::buffer::Source;
+use gltf::json::Root;
+use gltf::json::validation::Checked;
 use gltf::mesh::Mode;
 use gltf::scene::Transform;
-use gltf::{Gltf, Node, Primitive, Semantic};
+use gltf::{Document, Gltf, Node, Primitive, Semantic};
 use std::path::Path;
 
 /// Most vertices, and faces: nodes can place a mesh so often that a file of a megabyte needs all memory. A choice: together
@@ -16,11 +18,15 @@ const MOST: usize = 50_000_000;
 
 pub(super) fn parse(bytes: &[u8], folder: &Path) -> Parsed {
     check_length(bytes)?;
-    let gltf = Gltf::from_slice(bytes).map_err(|error| error.to_string())?;
+    let Gltf { document, blob } =
+        Gltf::from_slice_without_validation(bytes).map_err(|error| error.to_string())?;
+    let json = document.into_json();
+    check_positions(&json)?;
+    let gltf = Document::from_json(json).map_err(|error| error.to_string())?;
     let buffers = gltf
         .buffers()
         .map(|buffer| match buffer.source() {
-            Source::Bin => gltf.blob.clone().ok_or_else(|| "the binary chunk is missing".to_owned()),
+            Source::Bin => blob.clone().ok_or_else(|| "the binary chunk is missing".to_owned()),
             Source::Uri(uri) => read_uri(uri, folder),
         })
         .collect::<Result<Vec<_>, _>>()?;
@@ -40,7 +46,7 @@ pub(super) fn parse(bytes: &[u8], folder: &Path) -> Parsed {
 }
 
 /// All primitives of surfaces below the nodes `roots`, and their poses in the scene.
-fn placed<'a>(gltf: &Gltf, roots: Vec<Node<'a>>) -> Result<Vec<(Primitive<'a>, DMat4)>, String> {
+fn placed<'a>(gltf: &Document, roots: Vec<Node<'a>>) -> Result<Vec<(Primitive<'a>, DMat4)>, String> {
     // Nodes form a forest in valid files; in others, a cycle must not run for ever.
     let mut is_placed = vec![false; gltf.nodes().len()];
     let mut open: Vec<(Node, DMat4)> = roots.into_iter().map(|node| (node, DMat4::IDENTITY)).collect();
@@ -85,6 +91,23 @@ fn check_length(bytes: &[u8]) -> Result<(), String> {
         }
         _ => Ok(()),
     }
+}
+
+/// The crate gltf panics at positions that are an accessor which does not exist, before it tells that.
+fn check_positions(json: &Root) -> Result<(), String> {
+    let positions = &Checked::Valid(Semantic::Positions);
+    for (index, mesh) in json.meshes.iter().enumerate() {
+        let accessors = mesh.primitives.iter().filter_map(|primitive| primitive.attributes.get(positions));
+        for accessor in accessors.map(|accessor| accessor.value()) {
+            if accessor >= json.accessors.len() {
+                return Err(format!(
+                    "the positions of mesh {index} are accessor {accessor} of {}, counted from 0",
+                    json.accessors.len()
+                ));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Composed in double precision, which keeps rotated right angles right.

@@ -63,8 +63,7 @@ impl TriangleMesh {
             "PLY" => ply::parse(text),
             _ => gltf::parse(text, path.parent().unwrap_or(Path::new(""))),
         };
-        // The crate gltf panics where a primitive's positions are an accessor that does not exist. A file at which a
-        // reader panics is damaged, not the program.
+        // A file at which a reader panics is damaged, not the program. None is known.
         let parsed = std::panic::catch_unwind(parse).unwrap_or_else(|_| Err("its reader gave up".to_owned()));
         parsed.map_err(|what| MeshError::Parse { path: path.into(), format, what })
     }

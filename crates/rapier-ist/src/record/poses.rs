@@ -11,7 +11,7 @@ use std::f32::consts::FRAC_PI_2;
 /// The described bodies and the message with their poses, which is filled anew at each step and keeps its memory.
 pub(super) struct Poses {
     bodies: Vec<TrackedBody>,
-    /// The frame that puts the world upright, then one transform per body that is in the world.
+    /// The frame that puts the world upright, then one transform per body that is in the world and has had a pose.
     message: FrameTransforms,
 }
 
@@ -21,6 +21,8 @@ struct TrackedBody {
     /// Its frame.
     name: String,
     state: State,
+    /// Whether it has had a pose that is one.
+    is_placed: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -34,7 +36,7 @@ enum State {
 /// What the log should say about a body's pose.
 #[derive(Clone, Copy)]
 pub(super) enum PoseEvent {
-    /// It stopped being a number; the last finite one is kept.
+    /// It is no number; the last finite one is kept, if there was one.
     NotFinite,
     /// The body left the world.
     Removed,
@@ -53,8 +55,12 @@ impl Poses {
 
     /// Follows one more body.
     pub(super) fn add(&mut self, handle: RigidBodyHandle, name: &str) {
-        self.bodies.push(TrackedBody { handle, name: name.to_owned(), state: State::Present });
-        self.message.transforms.push(transform(WORLD_FRAME, name, &Pose::IDENTITY));
+        self.bodies.push(TrackedBody {
+            handle,
+            name: name.to_owned(),
+            state: State::Present,
+            is_placed: false,
+        });
     }
 
     /// Number of bodies that have been added.
@@ -70,21 +76,30 @@ impl Poses {
     /// Takes over the poses at `time` (ns); tells what is notable about them, once each.
     pub(super) fn follow(&mut self, bodies: &RigidBodySet, time: u64) -> Vec<(PoseEvent, String)> {
         let mut events = Vec::new();
-        let present = self.bodies.iter_mut().filter(|body| body.state != State::Removed);
-        let Some((root, transforms)) = self.message.transforms.split_first_mut() else { return events };
-        root.timestamp = Some(timestamp(time));
-        for (body, transform) in present.zip(transforms) {
-            transform.timestamp = Some(timestamp(time));
+        let transforms = &mut self.message.transforms;
+        if let Some(root) = transforms.first_mut() {
+            root.timestamp = Some(timestamp(time));
+        }
+        // The transforms stand in the order of their bodies.
+        let mut place = 1;
+        for body in self.bodies.iter_mut().filter(|body| body.state != State::Removed) {
             let before = body.state;
             body.state = match bodies.get(body.handle).map(|body| body.position()) {
                 Some(pose) if is_rigid(pose) => {
-                    transform.translation = Some(vector(pose.translation));
-                    transform.rotation = Some(quaternion(pose.rotation));
+                    if !std::mem::replace(&mut body.is_placed, true) {
+                        transforms.insert(place, transform(WORLD_FRAME, &body.name, pose));
+                    }
+                    transforms[place].translation = Some(vector(pose.translation));
+                    transforms[place].rotation = Some(quaternion(pose.rotation));
                     State::Present
                 }
                 Some(_) => State::NotFinite,
                 None => State::Removed,
             };
+            if body.is_placed {
+                transforms[place].timestamp = Some(timestamp(time));
+                place += 1;
+            }
             let event = match body.state {
                 State::NotFinite if before == State::Present => PoseEvent::NotFinite,
                 State::Removed => PoseEvent::Removed,
@@ -100,7 +115,7 @@ impl Poses {
         events
     }
 
-    /// The transforms of all bodies that are in the world, as [`Self::follow`] found them.
+    /// The transforms of all bodies that are in the world and have had a pose, as [`Self::follow`] found them.
     pub(super) fn message(&self) -> &FrameTransforms {
         &self.message
     }

@@ -208,7 +208,7 @@ impl<W: Write + Seek> Recorder<W> {
 
     /// Records the world after a step, with what the step reported.
     ///
-    /// A pose that is not finite is recorded as the body's last finite one, with a line in the log.
+    /// A pose that is not finite is recorded as the body's last finite one, with a line in the log; as none where it had none yet.
     ///
     /// # Errors
     /// [`RecordError::Write`].
@@ -267,7 +267,7 @@ impl<W: Write + Seek> Recorder<W> {
                     self.statistics.poses_refused += 1;
                     self.log(
                         Level::Error,
-                        format!("the pose of {name} is not finite; its last one is kept"),
+                        format!("the pose of {name} is not finite; the last one that was, if any, is kept"),
                     )?;
                 }
             }

@@ -178,6 +178,37 @@ fn a_pose_that_is_not_a_number_keeps_its_last_value() {
     assert_eq!(log.iter().filter(|(_, line)| line.message.contains("ball_2 is not finite")).count(), 1);
 }
 
+/// It stood at the origin.
+#[test]
+fn issue_a_body_has_no_pose_before_its_first_finite_one() {
+    let mut bytes = Vec::new();
+    let mut fall = Fall::new();
+    let [first, second] = fall.bodies;
+    let mut recorder = Recorder::new(Cursor::new(&mut bytes), RecordOptions::poses()).unwrap();
+    fall.describe(&mut recorder).unwrap();
+    fall.world.bodies[first].set_translation(Vector::NAN, true);
+    for step in 0..4 {
+        if step == 2 {
+            fall.world.bodies[first].set_translation(Vector::X, true);
+        }
+        recorder.record(&fall.world, &fall.report()).unwrap();
+    }
+    fall.world.remove_body(second);
+    recorder.record(&fall.world, &fall.report()).unwrap();
+    recorder.finish().unwrap();
+    let frames: Vec<Vec<_>> = read::<FrameTransforms>(&bytes, "/tf")
+        .into_iter()
+        .map(|(_, message)| {
+            message.transforms.into_iter().map(|t| (t.child_frame_id, t.translation.unwrap().x)).collect()
+        })
+        .collect();
+    let [world, ball, ball_2] = ["world", "ball", "ball_2"].map(str::to_owned);
+    let without = vec![(world.clone(), 0.0), (ball_2.clone(), 0.0)];
+    let with = vec![(world.clone(), 0.0), (ball.clone(), 1.0), (ball_2, 0.0)];
+    let alone = vec![(world, 0.0), (ball, 1.0)];
+    assert_eq!(frames, [without.clone(), without, with.clone(), with, alone]);
+}
+
 #[test]
 fn a_removed_body_leaves_the_scene() {
     let mut bytes = Vec::new();

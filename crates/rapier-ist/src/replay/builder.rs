@@ -129,7 +129,7 @@ impl Builder {
 
     fn line(&mut self, time: u64, log: Log) {
         let is_error = log.level >= Level::Error as i32;
-        self.log.push(LogLine { time: time as f64 * 1e-9, is_error, message: log.message });
+        self.log.push(LogLine { time: time as f64 / 1e9, is_error, message: log.message });
     }
 
     /// Place of the body `name`, which is new where the file has not named it yet.

@@ -116,7 +116,7 @@ impl Replay {
         if time.is_nan() {
             return None;
         }
-        let nanoseconds = time * 1e9;
+        let nanoseconds = in_nanoseconds(time);
         let later = self.timeline.steps_until(nanoseconds);
         let earlier = later.saturating_sub(1);
         let from = self.timeline.pose(earlier, body)?;
@@ -137,7 +137,7 @@ impl Replay {
     /// time that is not a number.
     #[must_use]
     pub fn step_at(&self, time: f64) -> Option<ReplayStep<'_>> {
-        let until = self.timeline.steps_until(time * 1e9);
+        let until = self.timeline.steps_until(in_nanoseconds(time));
         if time.is_nan() { None } else { self.step(until.saturating_sub(1)) }
     }
 
@@ -180,6 +180,16 @@ impl Replay {
     }
 }
 
+/// Seconds in nanoseconds; whole ones where rounding cannot tell them apart, so that the time of a step is that of the step: for
+/// 26 days.
+///
+/// A whole number of nanoseconds is rounded twice on its way to seconds and back.
+fn in_nanoseconds(time: f64) -> f64 {
+    let product = time * 1e9;
+    let whole = product.round();
+    if (product - whole).abs() <= f64::EPSILON * whole.abs() { whole } else { product }
+}
+
 impl<'a> ReplayStep<'a> {
     /// Its place among the recorded steps, from 0.
     #[must_use]
@@ -190,7 +200,7 @@ impl<'a> ReplayStep<'a> {
     /// Time since the start of the recording (s).
     #[must_use]
     pub fn time(&self) -> f64 {
-        self.nanoseconds() as f64 * 1e-9
+        self.nanoseconds() as f64 / 1e9
     }
 
     /// Time since the start of the recording (ns).
@@ -220,5 +230,27 @@ impl<'a> ReplayStep<'a> {
     #[must_use]
     pub fn metrics(&self) -> Option<&'a ReplayMetrics> {
         self.replay.timeline.metrics(self.index)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_nanoseconds;
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(100_000))]
+
+        /// A step was not found by its own time: the one before it was.
+        #[test]
+        fn issue_seconds_of_whole_nanoseconds_are_those(
+            bits in 0_u32..51, number in 0_u64..1 << 51, share in 0.01_f64..0.99,
+        ) {
+            let whole = (number >> bits) as f64;
+            prop_assert_eq!(in_nanoseconds(whole / 1e9), whole);
+            // And what lies between two of them stays there.
+            let between = in_nanoseconds((whole.min(1e9) + share) / 1e9);
+            prop_assert!(whole.min(1e9) < between && between < whole.min(1e9) + 1.0);
+        }
     }
 }

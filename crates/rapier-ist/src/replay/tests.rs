@@ -75,6 +75,7 @@ fn poses_are_those_of_the_world() {
             assert!(pose.rotation.angle_between(expected.rotation) < 1e-3);
             assert!((pose.rotation * Vector::X).distance(expected.rotation * Vector::X) < 1e-6);
             assert_eq!(replay.pose_at(body, step.time()), Some(pose));
+            assert_eq!(replay.step_at(step.time()).unwrap().index(), step.index());
         }
         fall.world.step();
     }
