@@ -189,8 +189,7 @@ fn issue_sliding_bodies_tell_their_normal_force_as_with_rapiers_shapes() {
         for _ in 0..30 {
             plugin.step_with_events(&mut world, &(), &last);
         }
-        let told = last.0.lock().unwrap().take().unwrap();
-        told
+        last.0.into_inner().unwrap().unwrap()
     });
     let [(ours, our_force), (rapiers, rapiers_force)] = told;
     let weight = rapiers.total_force_magnitude;
