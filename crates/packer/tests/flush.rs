@@ -64,6 +64,23 @@ fn issue_a_corner_in_the_middle_of_a_cut_face_takes_nothing_from_it() {
     assert!(error.abs() < 1e-12, "the volume is {error} off");
 }
 
+/// With a thorn that faced inwards, which has an edge in common with another that it overlaps, the two were one shell, and what they
+/// share was taken out of the block.
+#[test]
+fn issue_parts_with_an_edge_in_common_may_face_different_ways() {
+    let (top, shared) = ([0.5, 0.25, 2.0], [1.75, 0.25, 1.0]);
+    let thorn = tetrahedron([top, [0.5, 0.25, 0.25], [1.75, 1.0, 1.5], shared]);
+    let other = tetrahedron([top, [0.5, 1.75, 1.25], [0.25, 1.0, 1.5], shared]);
+    let both_ways = |part: &TriangleMesh| [part.clone(), inverted(part)];
+    for thorn in both_ways(&thorn) {
+        for other in both_ways(&other) {
+            let solid = Solid::new(&joined([block([0.0; 3], [2.0; 3]), thorn.clone(), other])).unwrap();
+            let error = solid.properties().volume / 8.0 - 1.0;
+            assert!(error.abs() < 1e-12, "the volume is {error} off");
+        }
+    }
+}
+
 /// Two wedges that stand on the same corner, one vertex of the file, which lies on the inside of the block around them.
 #[test]
 fn parts_that_share_a_corner_each_touch_what_it_lies_on() {
@@ -147,7 +164,8 @@ fn prism(sides: u32, [below, above]: [f64; 2], height: f64, phase: f64) -> Trian
     TriangleMesh { vertices, triangles: sheath.chain(ends).collect() }
 }
 
-/// Boxes, prisms and frusta in steps of a half, as parts are put together in a modeller: flush, in line, corner to corner.
+/// Boxes, prisms and frusta in steps of a half, as parts are put together in a modeller: flush, in line, corner to corner. Some of
+/// them face inwards.
 fn part() -> impl Strategy<Value = TriangleMesh> {
     let place = prop::array::uniform3(0..4_u8).prop_map(|p| 0.5 * DVec3::from_array(p.map(f64::from)));
     let size = prop::array::uniform3(1..4_u8).prop_map(|p| 0.5 * DVec3::from_array(p.map(f64::from)));
@@ -164,7 +182,8 @@ fn part() -> impl Strategy<Value = TriangleMesh> {
             )
         ),
     ];
-    (shape, place, 0..3_usize).prop_map(|(shape, place, axis)| {
+    (shape, place, 0..3_usize, 0..4_u8).prop_map(|(shape, place, axis, way)| {
+        let shape = if way == 0 { inverted(&shape) } else { shape };
         let mut part = rotated(&shape, DQuat::IDENTITY, place);
         part.vertices
             .iter_mut()
@@ -215,11 +234,12 @@ proptest! {
     }
 }
 
-/// Unit cubes at these places, in steps of half their edge.
-fn cubes(places: &[[u8; 3]]) -> TriangleMesh {
-    joined(places.iter().map(|place| {
+/// Unit cubes at these places, in steps of half their edge; every fourth faces inwards where `is_mixed`.
+fn cubes(places: &[[u8; 3]], is_mixed: bool) -> TriangleMesh {
+    joined(places.iter().enumerate().map(|(index, place)| {
         let lower = 0.5 * DVec3::from_array(place.map(f64::from));
-        cuboid(lower, lower + 1.0)
+        let cube = cuboid(lower, lower + 1.0);
+        if is_mixed && index % 4 == 1 { inverted(&cube) } else { cube }
     }))
 }
 
@@ -240,9 +260,9 @@ proptest! {
     fn cubes_on_a_lattice_are_their_union(
         places in prop::collection::vec(prop::array::uniform3(0..4_u8), 1..11),
         axis in prop::array::uniform3(0.1..1.0_f64),
-        angle in prop_oneof![Just(0.0), 0.0..3.0_f64],
+        angle in prop_oneof![Just(0.0), 0.0..3.0_f64], is_mixed in any::<bool>(),
     ) {
-        let mesh = rotated(&cubes(&places), turn(DVec3::from_array(axis), angle), DVec3::ZERO);
+        let mesh = rotated(&cubes(&places, is_mixed), turn(DVec3::from_array(axis), angle), DVec3::ZERO);
         let solid = Solid::new(&mesh).unwrap();
         let (volume, expected) = (solid.properties().volume, union_volume(&places));
         prop_assert!((volume / expected - 1.0).abs() < 1e-9, "{volume} is not {expected}");

@@ -1,21 +1,19 @@
 //! From triangles to a diagnosis and, if they enclose something, to its surface.
 
 use super::bvh::Bvh;
+use super::clean::{self, Cleaned};
 use super::diagnosis::{Diagnosis, Findings, SIZES};
 use super::mass;
 use super::meetings::{self, Meeting};
-use super::parts;
 use super::plane::TrianglePlane;
 use super::pseudonormals::{FOLD, Pseudonormals};
 use super::shell_pairs::{self, COARSENESSES, Found, ShellPairs, on_plane};
 use super::shells;
 use super::topology::{self, EdgeCensus, NONE, Neighbours};
 use super::visible::{self, Visible};
-use super::weld::{self, Repeated};
 use crate::TriangleMesh;
 use glam::DVec3;
 use ist::SolidProperties;
-use std::borrow::Cow;
 
 /// The surface of a solid, ready for queries.
 #[derive(Clone, Debug)]
@@ -44,14 +42,33 @@ pub(super) fn examine(mesh: &TriangleMesh) -> (Diagnosis, Option<Surface>) {
     examine_in(ROUNDS, mesh)
 }
 
+/// Where some parts of a file face inwards and others do not, faces at shared edges may be paired across parts: with no end, or
+/// in a surface that agrees with itself but takes one part from another where they overlap. Then the file's order tells parts,
+/// if each of them agrees with itself or nothing else is left.
+fn examine_in(rounds: usize, mesh: &TriangleMesh) -> (Diagnosis, Option<Surface>) {
+    let cleaned = clean::clean(mesh);
+    let has_shared = !cleaned.census.shared.is_empty();
+    let (d, surface) = settle(rounds, cleaned);
+    let is_mixed = d.turned_faces > 0 || (1..d.shells).contains(&d.reversed_shells);
+    if has_shared
+        && (surface.is_none() || is_mixed || d.self_intersections.count > 0)
+        && let Some((of_parts, in_parts)) = clean::in_parts(mesh).map(|parts| settle(rounds, parts))
+        && in_parts.is_some()
+        && (surface.is_none() || of_parts.turned_faces == 0 && (is_mixed || of_parts.reversed_shells > 0))
+    {
+        return (of_parts, in_parts);
+    }
+    (d, surface)
+}
+
 /// Which faces bound a wedge of material at a shared edge is read from the sides that they face. Once some are turned,
 /// other faces belong together and the shells are others: so it is read again until nothing turns.
-fn examine_in(rounds: usize, mesh: &TriangleMesh) -> (Diagnosis, Option<Surface>) {
-    let (mut mesh, mut census, cleaned) = clean(mesh);
+fn settle(rounds: usize, cleaned: Cleaned) -> (Diagnosis, Option<Surface>) {
+    let Cleaned { mut mesh, mut census, diagnosis } = cleaned;
     let before = mesh.triangles.clone();
     let mut round = 1;
     loop {
-        let mut d = cleaned.clone();
+        let mut d = diagnosis.clone();
         let Some(closed) = close(mesh, census, &before, &mut d) else { return (d, None) };
         if closed.shared.is_empty() || !closed.has_turned {
             let surface = finish(closed, &mut d);
@@ -139,60 +156,6 @@ fn unsettled(closed: &Closed) -> Findings<([DVec3; 2], usize)> {
     let faces =
         |edge: &[u32; 2]| mesh.triangles.iter().filter(|t| edge.iter().all(|v| t.contains(v))).count();
     shared.iter().map(|edge| (edge.map(|vertex| mesh.vertices[vertex as usize]), faces(edge))).collect()
-}
-
-/// Leaves out what nothing can be said about: faces at vertices that do not exist or are not finite.
-fn sound<'a>(mesh: &'a TriangleMesh, d: &mut Diagnosis) -> Cow<'a, TriangleMesh> {
-    let vertices = mesh.vertices.iter().enumerate();
-    d.not_finite = vertices.filter(|(_, v)| !v.is_finite()).map(|(index, v)| (index, *v)).collect();
-    let missing =
-        |triangle: &[u32; 3]| triangle.iter().find(|v| **v as usize >= mesh.vertices.len()).copied();
-    let triangles = mesh.triangles.iter().enumerate();
-    d.dangling = triangles.filter_map(|(index, t)| missing(t).map(|vertex| (index, vertex))).collect();
-    if d.not_finite.count == 0 && d.dangling.count == 0 {
-        return Cow::Borrowed(mesh);
-    }
-    let is_sound =
-        |t: &&[u32; 3]| t.iter().all(|v| mesh.vertices.get(*v as usize).is_some_and(|v| v.is_finite()));
-    let triangles = mesh.triangles.iter().filter(is_sound).copied().collect();
-    Cow::Owned(TriangleMesh { vertices: mesh.vertices.clone(), triangles })
-}
-
-/// Leaves out what does not count and welds the rest; returns its edges and what was left out.
-///
-/// If the surface is not manifold, parts that follow each other in the file may be. If not, faces that occur twice are walls between
-/// two parts if the surface is closed and manifold without them; a face written once for each of its sides looks the same, but is
-/// needed.
-fn clean(mesh: &TriangleMesh) -> (TriangleMesh, EdgeCensus, Diagnosis) {
-    let mut d = Diagnosis {
-        input_vertices: mesh.vertices.len(),
-        input_triangles: mesh.triangles.len(),
-        ..Diagnosis::default()
-    };
-    let sound = sound(mesh, &mut d);
-    let of = |repeated| {
-        let (welded, welding) = weld::weld(&sound, repeated);
-        let census = topology::edge_census(&welded);
-        (welded, census, welding)
-    };
-    let (mut mesh, mut census, mut welding) = of(Repeated::KeepOne);
-    if !census.non_manifold.is_empty() {
-        if let Some((apart, of_parts)) = parts::apart(&sound) {
-            (census, welding) = (topology::edge_census(&apart), of_parts);
-            mesh = apart;
-        } else if welding.duplicate_faces > 0 {
-            let none = of(Repeated::DropPairs);
-            if !none.0.triangles.is_empty() && none.1.open.is_empty() && none.1.non_manifold.is_empty() {
-                (mesh, census, welding) = none;
-            }
-        }
-    }
-    d.unused_vertices = welding.unused_vertices;
-    d.merged_vertices = welding.merged_vertices;
-    d.degenerate_faces = welding.degenerate_faces;
-    d.duplicate_faces = welding.duplicate_faces;
-    d.paired_faces = welding.paired_faces;
-    (mesh, census, d)
 }
 
 fn bvh_of(mesh: &TriangleMesh) -> Bvh {
@@ -311,7 +274,8 @@ mod tests {
         let vertices = corners.map(|corner| DVec3::from_array(corner.map(f64::from))).to_vec();
         let one = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
         let other = [[0, 5, 1], [0, 1, 4], [0, 4, 5], [1, 5, 4]];
-        let triangles = one.into_iter().chain(other).collect();
+        // Not one after the other, which would tell them apart.
+        let triangles = one.into_iter().zip(other).flat_map(<[_; 2]>::from).collect();
         let mesh = TriangleMesh { vertices, triangles };
         let (settled, surface) = examine(&mesh);
         assert!(surface.is_some() && settled.refusal().is_none());

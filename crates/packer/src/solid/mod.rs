@@ -1,6 +1,7 @@
 //! A closed mesh as a solid: inside and outside, distances, mass properties.
 
 mod bvh;
+mod clean;
 mod contact;
 mod diagnosis;
 mod examine;
