@@ -14,23 +14,6 @@ pub(super) struct Cleaned {
     pub(super) diagnosis: Diagnosis,
 }
 
-/// Leaves out what nothing can be said about: faces at vertices that do not exist or are not finite.
-fn sound<'a>(mesh: &'a TriangleMesh, d: &mut Diagnosis) -> Cow<'a, TriangleMesh> {
-    let vertices = mesh.vertices.iter().enumerate();
-    d.not_finite = vertices.filter(|(_, v)| !v.is_finite()).map(|(index, v)| (index, *v)).collect();
-    let missing =
-        |triangle: &[u32; 3]| triangle.iter().find(|v| **v as usize >= mesh.vertices.len()).copied();
-    let triangles = mesh.triangles.iter().enumerate();
-    d.dangling = triangles.filter_map(|(index, t)| missing(t).map(|vertex| (index, vertex))).collect();
-    if d.not_finite.count == 0 && d.dangling.count == 0 {
-        return Cow::Borrowed(mesh);
-    }
-    let is_sound =
-        |t: &&[u32; 3]| t.iter().all(|v| mesh.vertices.get(*v as usize).is_some_and(|v| v.is_finite()));
-    let triangles = mesh.triangles.iter().filter(is_sound).copied().collect();
-    Cow::Owned(TriangleMesh { vertices: mesh.vertices.clone(), triangles })
-}
-
 /// Leaves out what does not count and welds the rest.
 ///
 /// If the surface is not manifold, parts that follow each other in the file may be. If not, faces that occur twice are walls between
@@ -74,6 +57,23 @@ fn begin(mesh: &TriangleMesh) -> (Diagnosis, Cow<'_, TriangleMesh>) {
     };
     let sound = sound(mesh, &mut d);
     (d, sound)
+}
+
+/// Leaves out what nothing can be said about: faces at vertices that do not exist or are not finite.
+fn sound<'a>(mesh: &'a TriangleMesh, d: &mut Diagnosis) -> Cow<'a, TriangleMesh> {
+    let vertices = mesh.vertices.iter().enumerate();
+    d.not_finite = vertices.filter(|(_, v)| !v.is_finite()).map(|(index, v)| (index, *v)).collect();
+    let missing =
+        |triangle: &[u32; 3]| triangle.iter().find(|v| **v as usize >= mesh.vertices.len()).copied();
+    let triangles = mesh.triangles.iter().enumerate();
+    d.dangling = triangles.filter_map(|(index, t)| missing(t).map(|vertex| (index, vertex))).collect();
+    if d.not_finite.count == 0 && d.dangling.count == 0 {
+        return Cow::Borrowed(mesh);
+    }
+    let is_sound =
+        |t: &&[u32; 3]| t.iter().all(|v| mesh.vertices.get(*v as usize).is_some_and(|v| v.is_finite()));
+    let triangles = mesh.triangles.iter().filter(is_sound).copied().collect();
+    Cow::Owned(TriangleMesh { vertices: mesh.vertices.clone(), triangles })
 }
 
 fn with_welding(d: Diagnosis, welding: Welding) -> Diagnosis {
