@@ -109,7 +109,7 @@ impl PackOptions {
     /// Power cells are tried out with few samples on the way, and time for all of them is set aside. The balls are
     /// those that a request for the same count gives; their number depends on the machine. Calls with limits of 1 to
     /// 10 s took 80 to 96 % of them on two assets and a busy machine. The search for the first ball and the cells of
-    /// so few take a few tenths of a second each, 0.5 and 3 s in a sheet a hundred thousand times as wide as thick, and 0.4 and 0.5 to
+    /// so few take a few tenths of a second each, 0.5 and 3 s in a sheet a hundred thousand times as wide as thick, and 1 and
     /// 2 s in a ball of 100,000 triangles: a shorter limit is overrun by so much, or ends in [`PackError::NothingInTime`].
     #[must_use]
     pub fn time_limit(mut self, limit: Duration) -> Self {
