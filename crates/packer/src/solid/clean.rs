@@ -14,6 +14,15 @@ pub(super) struct Cleaned {
     pub(super) diagnosis: Diagnosis,
 }
 
+impl Cleaned {
+    /// With every face turned.
+    pub(super) fn turned(self) -> Self {
+        let mut mesh = self.mesh;
+        mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        Self { census: topology::edge_census(&mesh), mesh, diagnosis: self.diagnosis }
+    }
+}
+
 /// Leaves out what does not count and welds the rest.
 ///
 /// If the surface is not manifold, parts that follow each other in the file may be. If not, faces that occur twice are walls between

@@ -38,25 +38,31 @@ const ROUNDS: usize = 4;
 const CLOSED: f64 = 1e-6;
 
 /// Finds everything that there is to say about `mesh`, and its surface if it is a solid.
+///
+/// Where some parts of a file face inwards and others do not, faces at shared edges may be paired across parts, with a part in
+/// another's shell or no end. Then the file's order tells parts, if each agrees with itself or nothing else is left. Where all
+/// faces look inwards and that has no end, they are turned before they are paired.
 pub(super) fn examine(mesh: &TriangleMesh) -> (Diagnosis, Option<Surface>) {
-    examine_in(ROUNDS, mesh)
-}
-
-/// Where some parts of a file face inwards and others do not, faces at shared edges may be paired across parts: with no end, or
-/// in a surface that agrees with itself but takes one part from another where they overlap. Then the file's order tells parts,
-/// if each of them agrees with itself or nothing else is left.
-fn examine_in(rounds: usize, mesh: &TriangleMesh) -> (Diagnosis, Option<Surface>) {
     let cleaned = clean::clean(mesh);
     let has_shared = !cleaned.census.shared.is_empty();
-    let (d, surface) = settle(rounds, cleaned);
+    let in_one = vec![0; cleaned.mesh.triangles.len()];
+    let looks_inwards = shells::signed_volumes(&cleaned.mesh, &in_one).first().is_some_and(|v| *v < 0.0);
+    let (d, surface) = settle(ROUNDS, cleaned);
     let is_mixed = d.turned_faces > 0 || (1..d.shells).contains(&d.reversed_shells);
     if has_shared
-        && (surface.is_none() || is_mixed || d.self_intersections.count > 0)
-        && let Some((of_parts, in_parts)) = clean::in_parts(mesh).map(|parts| settle(rounds, parts))
+        && (surface.is_none() || is_mixed)
+        && let Some((of_parts, in_parts)) = clean::in_parts(mesh).map(|parts| settle(ROUNDS, parts))
         && in_parts.is_some()
-        && (surface.is_none() || of_parts.turned_faces == 0 && (is_mixed || of_parts.reversed_shells > 0))
+        && (surface.is_none() || of_parts.turned_faces == 0)
     {
         return (of_parts, in_parts);
+    }
+    if has_shared && surface.is_none() && looks_inwards {
+        let (mut of_turned, surface) = settle(ROUNDS, clean::clean(mesh).turned());
+        if surface.is_some() {
+            of_turned.reversed_shells = of_turned.shells - of_turned.reversed_shells;
+            return (of_turned, surface);
+        }
     }
     (d, surface)
 }
@@ -280,7 +286,7 @@ mod tests {
         let (settled, surface) = examine(&mesh);
         assert!(surface.is_some() && settled.refusal().is_none());
         assert_eq!(settled.shared_edges.count, 1);
-        let (unsettled, surface) = examine_in(1, &mesh);
+        let (unsettled, surface) = settle(1, clean::clean(&mesh));
         assert!(surface.is_none());
         let edge = [DVec3::ZERO, DVec3::Z];
         assert_eq!(unsettled.non_manifold_edges.some, [(edge, 4)]);

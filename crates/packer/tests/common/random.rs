@@ -7,6 +7,7 @@ use glam::{DMat3, DQuat, DVec3};
 use packer::TriangleMesh;
 use proptest::prelude::*;
 use proptest::strategy::Union;
+use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
 /// A mesh and what it is, for the message of a failure.
@@ -203,7 +204,12 @@ pub(crate) struct Blocks {
 
 /// Cubes that touch in faces, edges and corners, or not at all.
 pub(crate) fn blocks() -> impl Strategy<Value = Blocks> {
-    prop::collection::btree_set(prop::array::uniform3(0..3), 1..14).prop_map(|cubes| {
+    prop::collection::btree_set(prop::array::uniform3(0..3), 1..14).prop_map(Blocks::of)
+}
+
+impl Blocks {
+    /// Unit cubes at these places.
+    pub(crate) fn of(cubes: BTreeSet<[i32; 3]>) -> Self {
         let mut mesh = TriangleMesh::default();
         for cube in &cubes {
             let lower = DVec3::from_array(cube.map(f64::from));
@@ -217,6 +223,6 @@ pub(crate) fn blocks() -> impl Strategy<Value = Blocks> {
             });
             mesh = join(&mesh, &block);
         }
-        Blocks { cubes: cubes.into_iter().collect(), mesh }
-    })
+        Self { cubes: cubes.into_iter().collect(), mesh }
+    }
 }
