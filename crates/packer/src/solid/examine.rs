@@ -40,7 +40,7 @@ const CLOSED: f64 = 1e-6;
 /// Finds everything that there is to say about `mesh`, and its surface if it is a solid.
 ///
 /// Where some parts of a file face inwards and others do not, faces at shared edges may be paired across parts, with a part in
-/// another's shell or no end. Then the file's order tells parts, if each agrees with itself or nothing else is left. Where all
+/// another's shell or no end. Then the file's order tells parts, if each agrees with itself. Where all
 /// faces look inwards and that has no end, they are turned before they are paired.
 pub(super) fn examine(mesh: &TriangleMesh) -> (Diagnosis, Option<Surface>) {
     let cleaned = clean::clean(mesh);
@@ -53,7 +53,7 @@ pub(super) fn examine(mesh: &TriangleMesh) -> (Diagnosis, Option<Surface>) {
         && (surface.is_none() || is_mixed)
         && let Some((of_parts, in_parts)) = clean::in_parts(mesh).map(|parts| settle(ROUNDS, parts))
         && in_parts.is_some()
-        && (surface.is_none() || of_parts.turned_faces == 0)
+        && of_parts.turned_faces == 0
     {
         return (of_parts, in_parts);
     }
