@@ -35,9 +35,9 @@ pub(super) const SHARE: f64 = 0.97;
 const CLIMBS: usize = 16;
 /// Of seeds nearer to each other than this share of the larger radius, only the larger one is kept.
 const APART: f64 = 0.1;
-/// Of medial points nearer to each other than this share of the larger radius, only one is looked at: 1,172 of 4,914 in a ball of
-/// 101,760 triangles. The assets are filled with the same 300 and 1,000 balls as without; with 0.01 the spider gear is not.
-const SAME: f64 = 0.005;
+/// Of medial points nearer to each other than this share of the larger radius, only one is looked at. With 0.005 a ball of 160,000
+/// triangles is packed sooner, but a bar in a groove came to rest 2.2° aslant instead of 2°.
+const SAME: f64 = 1e-6;
 
 /// Local maxima of the clearance of the empty solid, in descending order. Not all of them once the field's watch is over.
 pub(super) fn find(field: &Field) -> Vec<Candidate> {
@@ -170,15 +170,13 @@ mod tests {
     /// For 5,000 poles in the middle of a ball the nearest of all its triangles was looked for: 55 s for 81,920 triangles, whatever the
     /// time limit.
     #[test]
-    fn issue_poles_that_lie_together_are_looked_at_once() {
+    fn issue_nothing_is_looked_for_once_time_is_over() {
         let solid = Solid::new(&ball()).unwrap();
         let signal = StopSignal::new();
         let watch = Watch::new(&signal, None);
         let balls = BallGrid::default();
         let field = Field { solid: &solid, balls: &balls, watch: &watch };
-        let points = medial_points(&field);
-        let kept = thin_out(points.clone(), SAME).len();
-        assert!(points.len() > SAMPLES / 2 && kept < SAMPLES / 4, "{kept} of {}", points.len());
+        assert!(medial_points(&field).len() > SAMPLES / 2);
         watch.end();
         assert!(medial_points(&field).is_empty(), "nothing is looked for once time is over");
     }
